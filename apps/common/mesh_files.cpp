@@ -181,7 +181,12 @@ class ClashFinder {
     }
   }
 
-  /// Adds the files that an output for `input` consists of. Throws OptionError. A mesh may replace its input.
+  /// Adds the files of the mesh that is made of `input`, which may replace that. Throws OptionError.
+  void add_mesh(const std::string& output, const std::string& input) { add(output, input, /*is_mesh=*/true); }
+  /// Adds a text file that is written for `input`. Throws OptionError.
+  void add_text(const std::string& output, const std::string& input) { add(output, input, /*is_mesh=*/false); }
+
+ private:
   void add(const std::string& output, const std::string& input, bool is_mesh) {
     if (output.empty() || output == kPipe) return;
     for (const std::string& file : is_mesh ? files_written(output) : std::vector{output}) {
@@ -201,7 +206,6 @@ class ClashFinder {
     }
   }
 
- private:
   /// Whether a file is one of `read_too` or a part of another file. Those are searched for parts where the file exists.
   bool is_read(const std::string& file, const std::string& same) {
     std::error_code ignored;
@@ -237,7 +241,7 @@ Input read_input(const std::string& path, int threads) {
   const std::string bytes = path == kPipe ? read_pipe() : "";
   const auto start = std::chrono::steady_clock::now();
   if (path == kPipe) {
-    input.mesh = parse_mesh(shown_name(path, false), bytes, &input.warnings, threads);
+    input.mesh = parse_mesh(shown_input(path), bytes, &input.warnings, threads);
     input.binary = bytes.substr(0, 4).find('\0') != std::string::npos;
   } else {
     input.mesh = read_mesh(path, &input.warnings, threads);
@@ -252,7 +256,7 @@ void choose_tags(Input& input, const std::string& path, const std::string& tags)
     try {
       use_as_tags(input.mesh, tags);
     } catch (const OptionError& e) {
-      throw OptionError(fmt::format("--tags \"{}\": {}: {}", tags, shown_name(path, false), e.what()));
+      throw OptionError(fmt::format("--tags \"{}\": {}: {}", tags, shown_input(path), e.what()));
     }
   } else if (const std::string data = unused_regions(input.mesh); !data.empty()) {
     input.warnings.push_back(
@@ -269,7 +273,7 @@ void choose_tags(Input& input, const std::string& path, const std::string& tags)
 std::vector<std::string> write_output(const std::string& path, bool binary, const TetMesh& mesh, int threads) {
   std::vector<std::string> warnings;
   if (path == kPipe) {
-    write_mesh(STDOUT_FILENO, shown_name(path, true), binary, mesh, threads, &warnings);
+    write_mesh(STDOUT_FILENO, shown_output(path), binary, mesh, threads, &warnings);
   } else {
     write_mesh(path, mesh, threads, &warnings);
   }
@@ -292,7 +296,7 @@ bool copy_mesh(const std::string& input, const std::string& output) {
 
 void refuse_replacing(const std::string& output, const std::string& input, const std::vector<std::string>& read_too) {
   const std::vector<std::string> inputs{input};
-  ClashFinder(inputs, read_too).add(output, input, true);
+  ClashFinder(inputs, read_too).add_mesh(output, input);
 }
 
 void refuse_existing(const std::string& output) {
@@ -306,9 +310,8 @@ void refuse_existing(const std::string& output) {
   }
 }
 
-std::string shown_name(const std::string& path, bool output) {
-  return path != kPipe ? path : output ? "standard output" : "standard input";
-}
+std::string shown_input(const std::string& path) { return path == kPipe ? "standard input" : path; }
+std::string shown_output(const std::string& path) { return path == kPipe ? "standard output" : path; }
 
 OutputFolder::OutputFolder(const std::string& pattern, bool dry_run) {
   if (!names_folder(pattern)) return;
@@ -342,9 +345,8 @@ std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const std::ve
                   fill_in("--trace", pattern.trace, input, several),
                   fill_in("--map", pattern.map, input, several),
                   fill_in("--report-html", pattern.page, input, several)};
-    for (const std::string* path : {&job.output, &job.report, &job.trace, &job.map, &job.page}) {
-      clashes.add(*path, input, path == &job.output);
-    }
+    clashes.add_mesh(job.output, input);
+    for (const std::string& text : job.texts()) clashes.add_text(text, input);
     jobs.push_back(job);
   }
   return jobs;

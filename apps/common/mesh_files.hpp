@@ -47,8 +47,9 @@ void refuse_existing(const std::string& output);
 /// a file that one of them or the input includes.
 void refuse_replacing(const std::string& output, const std::string& input, const std::vector<std::string>& read_too);
 
-/// The name of a file in messages.
-std::string shown_name(const std::string& path, bool output);
+/// The name of a file to read, or to write, in messages.
+std::string shown_input(const std::string& path);
+std::string shown_output(const std::string& path);
 
 /// One mesh to optimize, and the names of all files to write; an empty name means no file.
 struct Job {

@@ -50,31 +50,32 @@ Measure parse_measure(const std::string& option, const std::string& name) {
 }
 
 /// A tag if the text is an integer, otherwise the name of a group.
-TagOrName parse_tag(bool region, const std::string& text) {
+TagOrName parse_tag(TagOrName::Of of, const std::string& text) {
   int tag = 0;
   const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), tag);
   const bool is_tag = error == std::errc() && at == text.data() + text.size();
-  return {region, is_tag ? tag : 0, is_tag ? "" : text};
+  return {of, is_tag ? tag : 0, is_tag ? "" : text};
 }
 
 /// The tags of a region or patch that elements of the mesh have. Throws OptionError if there is none; the message lists
 /// all tags.
 std::vector<int> find_tags(const std::string& option, const TagOrName& wanted, const std::string& mesh_name,
                            const TetMesh& mesh) {
-  const std::vector<int>& tags = wanted.region ? mesh.tet_tags : mesh.triangle_tags;
+  const std::vector<int>& tags = wanted.is_region() ? mesh.tet_tags : mesh.triangle_tags;
   std::vector<int> found{wanted.tag};
   if (!wanted.name.empty()) {
     found.clear();
     for (const Group& g : mesh.groups) {
-      if (g.name != wanted.name || g.dimension != (wanted.region ? 3 : 2)) continue;
+      if (g.name != wanted.name || g.dimension != (wanted.is_region() ? 3 : 2)) continue;
       found.insert(found.end(), g.tags.begin(), g.tags.end());
     }
   }
   std::erase_if(found, [&tags](int tag) { return std::find(tags.begin(), tags.end(), tag) == tags.end(); });
   if (!found.empty()) return found;
-  throw OptionError(fmt::format("{}: {} has no {} {}; it has {}", option, mesh_name, wanted.region ? "region" : "patch",
+  throw OptionError(fmt::format("{}: {} has no {} {}; it has {}", option, mesh_name,
+                                wanted.is_region() ? "region" : "patch",
                                 wanted.name.empty() ? std::to_string(wanted.tag) : "\"" + wanted.name + "\"",
-                                list_tags(mesh, wanted.region)));
+                                list_tags(mesh, wanted.is_region())));
 }
 
 }  // namespace
@@ -128,33 +129,33 @@ Target parse_bound(const std::string& option, const std::string& text, std::opti
 }
 
 void parse_freeze(const std::string& text, std::vector<TagOrName>& frozen) {
-  std::optional<bool> region;
+  std::optional<TagOrName::Of> of;
   std::size_t begin = 0;
   while (begin <= text.size()) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     std::string item = text.substr(begin, end - begin);
     begin = end + 1;
     if (item.starts_with("tag=")) {
-      region = true;
+      of = TagOrName::Of::region;
       item.erase(0, std::strlen("tag="));
     } else if (item.starts_with("patch=")) {
-      region = false;
+      of = TagOrName::Of::patch;
       item.erase(0, std::strlen("patch="));
     }
-    if (!region || item.empty()) {
+    if (!of || item.empty()) {
       throw OptionError(
           fmt::format("--freeze: invalid value '{}'; give the tags or names of regions as tag=1,2,steel and "
                       "those of patches as patch=3,inlet",
                       text));
     }
-    frozen.push_back(parse_tag(*region, item));
+    frozen.push_back(parse_tag(*of, item));
   }
 }
 
 void freeze(const std::vector<TagOrName>& frozen, const std::string& mesh_name, const TetMesh& mesh, Options& options) {
   for (const TagOrName& f : frozen) {
     const std::vector<int> tags = find_tags("--freeze", f, mesh_name, mesh);
-    auto& to = f.region ? options.frozen_regions : options.frozen_patches;
+    auto& to = f.is_region() ? options.frozen_regions : options.frozen_patches;
     to.insert(to.end(), tags.begin(), tags.end());
   }
 }
@@ -163,7 +164,7 @@ std::vector<int> find_patches(const std::string& option, const std::vector<std::
                               const std::string& mesh_name, const TetMesh& mesh) {
   std::vector<int> all;
   for (const std::string& patch : patches) {
-    const std::vector<int> tags = find_tags(option, parse_tag(false, patch), mesh_name, mesh);
+    const std::vector<int> tags = find_tags(option, parse_tag(TagOrName::Of::patch, patch), mesh_name, mesh);
     all.insert(all.end(), tags.begin(), tags.end());
   }
   return all;

@@ -34,9 +34,12 @@ Target parse_bound(const std::string& option, const std::string& text, std::opti
 
 /// A region or patch that an option names.
 struct TagOrName {
-  bool region;
+  enum class Of { region, patch };
+  Of of;
   int tag;           ///< if the name is empty
   std::string name;  ///< of a group
+
+  bool is_region() const { return of == Of::region; }
 };
 
 /// Parses "tag=1,2,patch=7,tag=steel" and appends the regions and patches to `frozen`. Throws OptionError.

@@ -58,8 +58,8 @@ void set_order(const ConvertArguments& a, TetMesh& mesh, Console& console) {
       for (const std::string& warning : geometry->warnings()) console.warn(warning);
       options.geometry = &*geometry;
     }
-    const CurveReport r = with_messages(shown_name(a.input, false), mesh, a.threads, kUntangleFirst,
-                                        [&] { return curve(mesh, options); });
+    const CurveReport r =
+        with_messages(shown_input(a.input), mesh, a.threads, kUntangleFirst, [&] { return curve(mesh, options); });
     console.print(fmt::format("{} curved edges, {} curved tetrahedra, smallest scaled Jacobian {:.4f}\n",
                               r.curved_edges, r.curved_tets, r.min_scaled_jacobian));
     if (r.not_valid_before > 0) {

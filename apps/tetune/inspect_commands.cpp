@@ -93,7 +93,7 @@ void match_geometry(const InspectArguments& a, const std::string& name, Inspecti
   print_warnings(i.geometry->warnings());
   i.match = with_messages(name, i.mesh, a.threads, kUntangleFirst, [&] { return i.geometry->match(i.mesh); });
   if (!a.classified.empty()) {
-    print_warnings(write_output(a.classified, false, classified_mesh(i.mesh, i.match), a.threads));
+    print_warnings(write_output(a.classified, /*binary=*/false, classified_mesh(i.mesh, i.match), a.threads));
   }
 }
 
@@ -181,7 +181,7 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
 }
 
 int info(const CLI::App& c, const InspectArguments& a) {
-  const std::string name = shown_name(a.files[0], false);
+  const std::string name = shown_input(a.files[0]);
   std::vector<Target> bounds;
   for (const std::string& text : a.min_quality)
     bounds.push_back(parse_bound("--min-quality", text, Measure::mean_ratio));

@@ -83,13 +83,13 @@ bool is_json = false;
 
 void install(bool json) {
   is_json = json;
-  begin("", false);
+  begin("", JobOutput::mesh);
   process::on_interruption(handle);
 }
 
-void begin(const std::string& input, bool of_series) {
+void begin(const std::string& input, JobOutput output) {
   enter(Stage::nothing);
-  text_if_written = of_series ? kPartWritten : kWritten;
+  text_if_written = output == JobOutput::series ? kPartWritten : kWritten;
   if (!is_json) return;
   // Never freed: the handler may run while the program ends.
   static auto& all = *new std::deque<JobEvents>;

@@ -10,8 +10,10 @@ namespace tetune::cli::interrupt {
 /// Installs the signal handler. `json`: it prints events of --progress json, of which the last is the end of the job.
 void install(bool json);
 
-/// A job begins, with nothing to write yet. `of_series`: it writes the meshes of several times.
-void begin(const std::string& input, bool of_series);
+/// The output of a job.
+enum class JobOutput { mesh, series };
+/// A job begins, with nothing to write yet.
+void begin(const std::string& input, JobOutput output);
 
 enum class Stage {
   nothing,  ///< nothing to write yet

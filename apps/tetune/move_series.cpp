@@ -70,7 +70,7 @@ class SeriesRun {
   JobResult run() {
     check_arguments(a_, job_);
     read();
-    LiveMesh mesh = with_messages(shown_name(steps_[0].path, false), input_, options_.threads, kUntangleHere,
+    LiveMesh mesh = with_messages(shown_input(steps_[0].path), input_, options_.threads, kUntangleHere,
                                   [this] { return LiveMesh(input_, options_); });
     original_of_.resize(input_.points.size());
     std::iota(original_of_.begin(), original_of_.end(), 0);
@@ -194,7 +194,7 @@ class SeriesRun {
       interrupt::enter(interrupt::Stage::worth_writing);
       return interrupt::requested();
     };
-    MoveReport report = with_messages(shown_name(steps_[i].path, false), mesh.mesh(), options_.threads, kUntangleHere,
+    MoveReport report = with_messages(shown_input(steps_[i].path), mesh.mesh(), options_.threads, kUntangleHere,
                                       [&] { return mesh.move(target, context); });
     const std::vector<Index>& from = report.optimization.vertex2original;
     if (!from.empty()) {
@@ -217,7 +217,7 @@ class SeriesRun {
     write_series(job_.output, written_);
     interrupt::enter(interrupt::Stage::written);
     nlohmann::ordered_json entry = {{"time", step.time}, {"file", step.path}};
-    std::string text = fmt::format("  time {:.6g}: {}", step.time, shown_name(step.path, true));
+    std::string text = fmt::format("  time {:.6g}: {}", step.time, shown_output(step.path));
     if (report == nullptr) {
       text += ", the mesh of the first file\n";
     } else {
@@ -240,7 +240,7 @@ class SeriesRun {
     // Without tables, nothing else says why the exit code is not 0; a time that failed is an error.
     if (stopped_at_ && console_.verbosity() < 1) {
       const double time = steps_[std::min(*stopped_at_, steps_.size() - 1)].time;
-      warn(fmt::format("{}: {} at time {:.6g}", shown_name(job_.output, true), result_.summary, time));
+      warn(fmt::format("{}: {} at time {:.6g}", shown_output(job_.output), result_.summary, time));
     }
     if (!job_.report.empty()) {
       const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},        {"input", job_.input},

@@ -41,7 +41,7 @@ void print_end(const Job& job, const JobResult& result, Console& console) {
 /// run_job() or run_series().
 JobResult run_one(const OptimizeArguments& a, const Job& job, Console& console) {
   const bool moves_series = a.move && (is_series(job.input) || is_series(job.output));
-  interrupt::begin(job.input, moves_series);
+  interrupt::begin(job.input, moves_series ? interrupt::JobOutput::series : interrupt::JobOutput::mesh);
   console.event({{"event", "start"}, {"input", job.input}, {"output", job.output}});
   const JobResult result = moves_series ? run_series(a, job, console) : run_job(a, job, console);
   print_end(job, result, console);
@@ -78,7 +78,7 @@ int run_all(const OptimizeArguments& a, const std::vector<Job>& jobs, Console& s
 
 void print_options(OptimizeArguments& a) {
   for (const TagOrName& f : a.frozen) {
-    if (f.name.empty()) (f.region ? a.options.frozen_regions : a.options.frozen_patches).push_back(f.tag);
+    if (f.name.empty()) (f.is_region() ? a.options.frozen_regions : a.options.frozen_patches).push_back(f.tag);
   }
   nlohmann::ordered_json json = to_json(a.options);
   if (!a.max_deviation.empty()) json["max_deviation"] = a.max_deviation;

@@ -66,7 +66,7 @@ class Run {
     input_ = read_input(job_.input, options_.threads);
     choose_tags(input_, job_.input, a_.tags);
     warn_all(input_.warnings);
-    const std::string name = shown_name(job_.input, false);
+    const std::string name = shown_input(job_.input);
     if (input_.mesh.tets.empty()) throw MeshError(name + ": there is no tetrahedron in this file");
     freeze(a_.frozen, name, input_.mesh, options_);
     file_links_ = input_.mesh.periodic.size();
@@ -102,7 +102,7 @@ class Run {
 
   /// Calls optimize().
   void improve(const Context& context) {
-    const std::string file = shown_name(job_.input, false);
+    const std::string file = shown_input(job_.input);
     try {
       result_.before = measure();
       if (a_.criteria && a_.move) criteria_.before = check(input_.mesh, *a_.criteria, options_.threads);
@@ -143,7 +143,7 @@ class Run {
         console_.warn(file_error.what());
       }
     }
-    throw NotUntangled(shown_name(job_.input, false) + ": " + untangle_message(e, input_.mesh));
+    throw NotUntangled(shown_input(job_.input) + ": " + untangle_message(e, input_.mesh));
   }
 
   void warn(const std::string& text) {
@@ -165,8 +165,8 @@ class Run {
       return std::string_view(p.phase) != "load";
     };
     improve(context);
-    std::string text = fmt::format("{}{}: nothing is written\n{}", shown_name(job_.input, false),
-                                   job_.output.empty() ? "" : " -> " + shown_name(job_.output, true), counts);
+    std::string text = fmt::format("{}{}: nothing is written\n{}", shown_input(job_.input),
+                                   job_.output.empty() ? "" : " -> " + shown_output(job_.output), counts);
     text += constraint_table(report_);
     for (const std::string& note : constraint_notes(report_)) text += "  " + note + "\n";
     text += quality_table({"now"}, {result_.before});
@@ -201,7 +201,9 @@ class Run {
   /// The time at which to stop so that there is time to write. Called when the mesh is loaded: storing it takes part of
   /// the time of loading, and writing about as long as reading.
   Time::time_point end_of_work() const {
-    const double reserved = 0.25 * seconds_since(measured_at_) + 1.2 * input_.seconds;
+    constexpr double kStoringPerLoading = 0.25;
+    constexpr double kWritingPerReading = 1.2;
+    const double reserved = kStoringPerLoading * seconds_since(measured_at_) + kWritingPerReading * input_.seconds;
     constexpr double kMaxSeconds = 1e9;  // a longer duration would overflow
     const auto limit = std::chrono::duration<double>(std::clamp(*a_.time_limit - reserved, 0.0, kMaxSeconds));
     return start_ + std::chrono::duration_cast<Time::duration>(limit);
@@ -258,7 +260,7 @@ class Run {
       change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);
     }
     if (change && options_.max_deviation > 0) check_deviation(*change);
-    if (result_.code == kStoppedEarly && !shows_figures()) warn(shown_name(job_.output, true) + ": " + result_.summary);
+    if (result_.code == kStoppedEarly && !shows_figures()) warn(shown_output(job_.output) + ": " + result_.summary);
     if (!job_.trace.empty()) write_beside_mesh(job_.trace, trace_csv(report_));
     if (!job_.report.empty()) {
       nlohmann::ordered_json json = full_report();
@@ -289,7 +291,7 @@ class Run {
     warn(
         fmt::format("{}: the surface is {:.3e} from the old one, and --max-deviation allows {:.3e}; list the edges of "
                     "parts that are thinner than that, or allow less",
-                    shown_name(job_.input, false), deviation, options_.max_deviation));
+                    shown_input(job_.input), deviation, options_.max_deviation));
   }
 
   std::string summary(const std::optional<Comparison>& change) const {
@@ -310,7 +312,7 @@ class Run {
     text += fmt::format("  read {:.3f} s, {} {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
                         a_.move ? "moved" : "optimized", report_.seconds, report_.device,
                         report_.threads > 0 ? fmt::format(" ({})", thread_count(report_.threads)) : "", write_seconds_,
-                        shown_name(job_.output, true));
+                        shown_output(job_.output));
     if (!report_.device_reason.empty())
       text += fmt::format("  on {}: {}\n", report_.device, with_flags(report_.device_reason));
     if (stopped())
@@ -368,7 +370,7 @@ JobResult run_job(const OptimizeArguments& arguments, const Job& job, Console& c
   try {
     result = Run(arguments, job, console).run();
   } catch (const std::bad_alloc&) {
-    console.error(shown_name(job.input, false) + ": out of memory");
+    console.error(shown_input(job.input) + ": out of memory");
   } catch (const NotUntangled& e) {
     console.error(e.what());
     result.code = kStoppedEarly;

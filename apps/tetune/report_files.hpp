@@ -8,7 +8,7 @@
 
 namespace tetune::cli {
 
-/// Of the result of measure_all().
+/// `quality` is a result of measure_all().
 nlohmann::ordered_json to_json(const Quality& quality);
 nlohmann::ordered_json to_json(const CurvedQuality& quality);
 nlohmann::ordered_json to_json(const Comparison& comparison);

@@ -287,7 +287,8 @@ std::vector<std::string> constraint_notes(const Report& r) {
     texts.push_back(
         fmt::format("{} listed edges without a tag are not edges of the result and are dropped", r.edges_dropped));
   }
-  if (r.uncovered > 1e-12) {
+  constexpr double kRounding = 1e-12;
+  if (r.uncovered > kRounding) {
     texts.push_back(fmt::format(
         "{:.2g} % of the input's volume is outside the result; its data were assigned to the nearest tetrahedra",
         100 * r.uncovered));

@@ -6,7 +6,8 @@
 #include "mesh/sort_mesh.hpp"
 #include "mesh/work_mesh.hpp"
 #include "operators/flips/flip_pass.hpp"
-#include "relocation/sweep.hpp"
+#include "relocation/coloring.hpp"
+#include "relocation/rings.hpp"
 
 namespace tetune::gpu_bench {
 

@@ -18,6 +18,7 @@
 #include "operators/flips/flip_pass.hpp"
 #include "reference/generate.hpp"
 #include "relocation/coloring.hpp"
+#include "relocation/rings.hpp"
 #include "relocation/sweep.hpp"
 #include "tetune/tetune.hpp"
 
@@ -231,7 +232,7 @@ void sweep_with(benchmark::State& state, const Step& step) {
     work.points.upload(cpu, start);
     cpu.fill(m.active.span(), std::uint8_t{1});
     state.ResumeTiming();
-    const SweepSum sum = sweep<SweepRing<Cpu>>(cpu, work, Criterion{}, rings.view(), coloring, m, step).get();
+    const SweepSum sum = sweep<SweepRing<Cpu>>(cpu, work, Criterion{}, {rings.view(), coloring, m}, step).get();
     if (!(sum.decrease > 0)) state.SkipWithError("the energy did not fall");
   }
   per_item(state, "a vertex", coloring.vertices.size());

@@ -18,7 +18,7 @@ struct Input {
   /// On rank 0: elements of other kinds, names and all else that belongs to the file as a whole.
   TetMesh frame;
   std::vector<std::string> warnings;
-  /// Of a DMPlex: the labels that its tags stand for.
+  /// The labels that the tags of a DMPlex stand for.
   std::optional<Labels> labels;
 };
 

@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <exception>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "clock.hpp"
 #include "exit_code.hpp"
 #include "files.hpp"
 #include "io/losses.hpp"
@@ -29,9 +29,6 @@
 /// `mpiexec -n N tetune-mpi IN OUT`.
 namespace tetune::mpi {
 namespace {
-
-using Time = std::chrono::steady_clock;
-double seconds_since(Time::time_point start) { return std::chrono::duration<double>(Time::now() - start).count(); }
 
 double peak_mb() {
   rusage usage{};
@@ -105,7 +102,7 @@ class Program {
     for (const cli::TagOrName& f : a_.frozen) {
       if (!f.name.empty())
         throw OptionError("--freeze: '" + f.name + "' is not a tag; tetune-mpi takes no names of groups");
-      (f.region ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);
+      (f.is_region() ? options_.frozen_regions : options_.frozen_patches).push_back(f.tag);
     }
   }
 

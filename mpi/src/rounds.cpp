@@ -2,7 +2,6 @@
 #include "rounds.hpp"
 
 #include <array>
-#include <chrono>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -11,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "clock.hpp"
 #include "driver/distributed_interface.hpp"
 #include "driver/limit_growth.hpp"
 #include "halo.hpp"
@@ -20,9 +20,6 @@
 
 namespace tetune::mpi {
 namespace {
-
-using Time = std::chrono::steady_clock;
-double seconds_since(Time::time_point start) { return std::chrono::duration<double>(Time::now() - start).count(); }
 
 /// The number of layers of tetrahedra by which parts are shifted, and within which vertices near an old interface move
 /// again.

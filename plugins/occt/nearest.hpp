@@ -60,7 +60,7 @@ class NearestPoints {
     Bnd_Box box;
     bool is_elementary = false;
     std::vector<gp_Pnt> samples;      ///< on a grid of parameters; empty for elementary surfaces
-    std::vector<gp_Pnt2d> sample_uv;  ///< likewise
+    std::vector<gp_Pnt2d> sample_uv;  ///< their parameters
     int sample_columns = 0;
     double cell = 0;  ///< largest diagonal of a cell of the grid
   };

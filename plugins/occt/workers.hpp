@@ -18,7 +18,7 @@ class Workers {
  public:
   explicit Workers(const Model& model) : model_(model) { prepare(1); }
 
-  /// Of the calling thread.
+  /// The search of the calling thread.
   NearestPoints& own() { return *nearest_.front(); }
 
   /// Calls f(nearest, begin, end) for chunks of 0 to `count`, which do not depend on the number of threads. `threads`:

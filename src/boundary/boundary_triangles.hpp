@@ -71,7 +71,7 @@ struct BoundaryTriangles {
   /// Flips may bend it too, from improve_angles() on. Flips that lower the energy would use up the bound that the worst
   /// angles need.
   bool flips_bend = false;
-  /// Of the vertices of triangles that flip with their image; empty if there is none.
+  /// The images of the vertices of triangles that flip with their image; empty if there is none.
   PeriodicImages<Backend> images;
 };
 

@@ -76,6 +76,17 @@ struct EdgeEnds {
   }
 };
 
+/// A surface with what constrains motion on it: the input of classify_vertices() and build_reference().
+template <class Backend>
+struct ConstrainedSurface {
+  const Surface<Backend>& surface;
+  const EdgeSet<Backend>& edges;
+  Span<const VertexConstraint> vertices;
+};
+
+/// Where vertices of the surface may go.
+enum class SurfaceRule : std::uint8_t { keeps_shape, fixed };
+
 namespace classify_detail {
 
 struct ClassifyVertex {
@@ -216,21 +227,23 @@ struct ClassifyVertex {
 ///   plane  V_F: its triangles lie in one plane, none folded back on another, and have one tag
 ///   line   V_E: the planes of all its triangles contain one line, along which its two feature edges run. Feature edges
 ///          are folds, borders between tags, edges not on two triangles, and the constrained edges
-///   fixed  V_C: all others; with `surface_fixed` the whole surface; and frozen vertices
-/// `constrained`: the constrained edges. `axis` receives the direction of the line or the normal of the plane.
+///   fixed  V_C: all others; the whole surface with SurfaceRule::fixed; and frozen vertices
+/// `axis` receives the direction of the line or the normal of the plane.
 template <class Backend>
-void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                       const EdgeSet<Backend>& constrained, Span<const VertexConstraint> constraints,
-                       bool surface_fixed, Span<VertexDof> dof, Span<Vec3> axis) {
+void classify_vertices(const Backend& backend, WorkMesh<Backend>& mesh, const ConstrainedSurface<Backend>& constrained,
+                       SurfaceRule rule, Span<VertexDof> dof, Span<Vec3> axis) {
   using namespace classify_detail;
-  const Span<const Index> edges = constrained.ends.span();
+  const Surface<Backend>& surface = constrained.surface;
+  const bool surface_fixed = rule == SurfaceRule::fixed;
+  const Span<const Index> edges = constrained.edges.ends.span();
   Csr<Backend> vertex2edge_end;
   build_csr(backend, mesh.vertices(), edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end, edges.size());
   BufferOf<Backend, Index> across(backend, 3 * surface.triangles.size());
   if (!surface_fixed) find_across(backend, surface.triangles, surface.vertex2corner.view(), across);
-  backend.for_each(mesh.vertices(), ClassifyVertex{mesh.points, surface.triangles, surface.tags,
-                                                   surface.vertex2corner.view(), across, edges, vertex2edge_end.view(),
-                                                   constrained.view(), constraints, surface_fixed, dof, axis});
+  backend.for_each(
+      mesh.vertices(),
+      ClassifyVertex{mesh.points, surface.triangles, surface.tags, surface.vertex2corner.view(), across, edges,
+                     vertex2edge_end.view(), constrained.edges.view(), constrained.vertices, surface_fixed, dof, axis});
 }
 
 }  // namespace tetune

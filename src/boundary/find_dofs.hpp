@@ -72,12 +72,12 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   const Options& options = input.options;
   const bool slides = options.boundary == Boundary::slide;
   const auto classify = [&](const EdgeSet<Backend>& features) {
+    const ConstrainedSurface<Backend> constrained{input.surface, features, constraints};
     if (slides) {
-      build_reference(backend, mesh, input.surface, features, constraints, options.feature_angle, dofs.dof.span(),
-                      dofs.reference);
+      build_reference(backend, mesh, constrained, options.feature_angle, dofs.dof.span(), dofs.reference);
     } else {
-      classify_vertices(backend, mesh, input.surface, features, constraints, options.boundary == Boundary::fixed,
-                        dofs.dof.span(), dofs.axis.span());
+      const auto rule = options.boundary == Boundary::fixed ? SurfaceRule::fixed : SurfaceRule::keeps_shape;
+      classify_vertices(backend, mesh, constrained, rule, dofs.dof.span(), dofs.axis.span());
     }
   };
   // Ridges and required edges are features. Tagged edges are features too, unless the list cannot be one of lines.

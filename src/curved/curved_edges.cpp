@@ -105,6 +105,10 @@ std::vector<CurvedTet> measure_curved_tets(const TetMesh& mesh, int threads) {
   return measure_tets(mesh, edges, curved_tets(mesh, edges), threads);
 }
 
+std::vector<Index> find_invalid(const TetMesh& mesh, int threads) {
+  return not_valid(measure_curved_tets(mesh, threads));
+}
+
 std::vector<Index> not_valid(const std::vector<CurvedTet>& tets) {
   return not_valid_or_below(tets, -std::numeric_limits<double>::infinity());
 }

@@ -55,7 +55,9 @@ std::vector<CurvedTet> measure_curved_tets(const TetMesh& mesh, int threads);
 
 /// The ids of tetrahedra that are not proved valid.
 std::vector<Index> not_valid(const std::vector<CurvedTet>& tets);
-/// Those too whose scaled Jacobian is below a limit.
+/// The tetrahedra that are not proved valid, of a mesh that has been checked.
+std::vector<Index> find_invalid(const TetMesh& mesh, int threads);
+/// The ids of tetrahedra that are not proved valid, or whose scaled Jacobian is below a limit.
 std::vector<Index> not_valid_or_below(const std::vector<CurvedTet>& tets, double limit);
 
 /// Summary of all curved tetrahedra of a mesh that has been checked.

@@ -9,6 +9,11 @@
 namespace tetune {
 namespace minimize_detail {
 
+/// The decrease that the line search accepts, as a part of that of the linear model (Armijo's condition).
+inline constexpr double kSufficientDecrease = 1e-4;
+/// The smallest cosine between the steps of x and of the gradient with which a pair of them is kept.
+inline constexpr double kMinCurvature = 1e-12;
+
 inline double product(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
@@ -34,7 +39,7 @@ double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const
     std::vector<double> dx, dg;
     double inverse;  ///< of their product
   };
-  using minimize_detail::add, minimize_detail::product;
+  using namespace minimize_detail;
   std::deque<Pair> pairs;
   std::vector<double> gradient(x.size());
   double value = evaluate(x, gradient);
@@ -63,7 +68,7 @@ double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const
       next = x;
       add(next, -length, direction);
       next_value = evaluate(next, next_gradient);
-      found = next_value <= value + 1e-4 * length * slope;
+      found = next_value <= value + kSufficientDecrease * length * slope;
     }
     if (!found) {
       if (pairs.empty()) break;
@@ -79,7 +84,7 @@ double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const
     gradient.swap(next_gradient);
     value = next_value;
     if (decrease <= kRelativeDecrease * std::fabs(value)) break;
-    if (!(curvature > 1e-12 * std::sqrt(product(pair.dx, pair.dx) * product(pair.dg, pair.dg)))) continue;
+    if (!(curvature > kMinCurvature * std::sqrt(product(pair.dx, pair.dx) * product(pair.dg, pair.dg)))) continue;
     pair.inverse = 1 / curvature;
     pairs.push_back(std::move(pair));
     if (pairs.size() > kPairs) pairs.pop_front();

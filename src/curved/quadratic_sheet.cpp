@@ -25,7 +25,7 @@ std::array<double, 3> barycentric(const TrianglePoints& t, const Vec3& p) {
   const Vec3 b = t[2] - t[0];
   const Vec3 n = cross(a, b);
   const double n2 = dot(n, n);
-  if (!(n2 > 1e-28 * dot(a, a) * dot(b, b))) {
+  if (!(n2 > kDegenerateSine2 * dot(a, a) * dot(b, b))) {
     const double s = dot(a, a) > 0 ? dot(p - t[0], a) / dot(a, a) : 0;
     return {1 - s, s, 0};
   }

@@ -16,7 +16,8 @@ std::array<double, 3> barycentric(const TrianglePoints& t, const Vec3& p);
 /// Queries may run concurrently.
 class QuadraticSheet {
  public:
-  /// Of a triangle: its corners, and the offsets of the mid-side nodes from the midpoints of the sides 01, 12 and 20.
+  /// A quadratic triangle: its corners, and the offsets of the mid-side nodes from the midpoints of the sides 01, 12
+  /// and 20.
   struct Triangle {
     TrianglePoints corners;
     std::array<Vec3, 3> offsets;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -15,34 +14,12 @@
 #include "energy/quality_floor.hpp"
 #include "math/angle.hpp"
 #include "math/elementary.hpp"
+#include "mesh/vertex_tets.hpp"
 
 namespace tetune {
 namespace {
 
 constexpr int kRings = 2;
-
-/// The tetrahedra of each vertex.
-class VertexTets {
- public:
-  explicit VertexTets(const TetMesh& mesh) : first_(mesh.points.size() + 1, 0), items_(4 * mesh.tets.size()) {
-    for (const auto& tet : mesh.tets) {
-      for (const Index v : tet) ++span_of(first_)[v + 1];
-    }
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    std::vector<Size> next = first_;
-    for (Index t = 0; t < std::ssize(mesh.tets); ++t) {
-      for (const Index v : span_of(mesh.tets)[t]) span_of(items_)[span_of(next)[v]++] = t;
-    }
-  }
-  std::span<const Index> of(Index v) const {
-    const Index* const begin = items_.data() + span_of(first_)[v];
-    return {begin, items_.data() + span_of(first_)[v + 1]};
-  }
-
- private:
-  std::vector<Size> first_;
-  std::vector<Index> items_;
-};
 
 using TetList = std::vector<Index>;
 
@@ -84,8 +61,9 @@ struct PatchQuality {
   std::int64_t not_valid = 0;
   double min_scaled_jacobian = 1;
   bool improves(const PatchQuality& before) const {
+    constexpr double kMinGain = 1e-3;
     if (not_valid != before.not_valid) return not_valid < before.not_valid;
-    return not_valid == 0 && min_scaled_jacobian > before.min_scaled_jacobian + 1e-3;
+    return not_valid == 0 && min_scaled_jacobian > before.min_scaled_jacobian + kMinGain;
   }
 };
 
@@ -232,6 +210,10 @@ class Patch {
     constexpr int kMaxStuck = 4;
     constexpr int kIterations = 200;
     constexpr double kFirstStep = 0.02;
+    // Epsilon is at least about a fifth of the most negative determinant.
+    constexpr double kMinEpsilon2 = 1e-12;
+    constexpr double kDeterminantPart2 = 0.04;
+    constexpr double kMinRise = 1e-6;  // of the smallest determinant, relative
     RelaxationEnergy energy(elements_with(unknowns, nodes_, ideal), nodes_, unknowns);
     std::vector<double> x = energy.start();
     const auto stop = [this] { return is_stopped(); };
@@ -242,11 +224,11 @@ class Patch {
     int stuck = 0;
     for (int stage = 0; stage < kMaxStages && !(least > 0) && stuck < kMaxStuck; ++stage) {
       if (is_stopped()) return;
-      energy.epsilon = std::min(energy.epsilon / 2, std::sqrt(1e-12 + 0.04 * least * least));
+      energy.epsilon = std::min(energy.epsilon / 2, std::sqrt(kMinEpsilon2 + kDeterminantPart2 * least * least));
       minimize_lbfgs(x, step, kIterations, evaluate, stop);
       const double last = std::exchange(least, energy.smallest_determinant(x));
       // Determinants that held nodes alone make negative stay so.
-      stuck = least > last + 1e-6 * std::fabs(last) ? 0 : stuck + 1;
+      stuck = least > last + kMinRise * std::fabs(last) ? 0 : stuck + 1;
       take_if_better(energy.nodes_at(x), unknowns, best);
     }
     if (!(least > 0) || is_enough()) return;
@@ -335,11 +317,12 @@ bool HeldNodes::has_edge(Index a, Index b) const {
 
 void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, const RelaxationGoal& goal) {
   const CurvedEdges edges(mesh);
-  const VertexTets vertex2tets(mesh);
+  const backend::Cpu cpu(goal.threads);
+  const VertexTets vertex2tets(cpu, mesh);
   const std::vector<TetList> patches = find_patches(mesh, vertex2tets, tets);
   std::vector<PatchResult> results(patches.size());
   // Patches have no element in common, so that no node of two of them moves.
-  backend::Cpu(goal.threads).for_parts(std::ssize(patches), [&](Size i) {
+  cpu.for_parts(std::ssize(patches), [&](Size i) {
     span_of(results)[i] = Patch(mesh, edges, held, vertex2tets, goal, span_of(patches)[i]).relax();
   });
   std::vector<CurvedEdge> changed;

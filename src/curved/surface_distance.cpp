@@ -68,7 +68,7 @@ class DistanceBound {
 
   Index triangle_of(const Sample& s) const { return span_of(surface_.origins)[s.facet].triangle; }
 
-  /// Of a part of a triangle with all points beside its corners on one triangle.
+  /// A bound for a part of a triangle, where the points beside its corners are all on one triangle.
   double bound_on_one(const QuadraticSheet::Triangle& t, const std::array<Sample, 3>& corners, double largest) const {
     const QuadraticSheet::Triangle& other = span_of(triangles_)[triangle_of(corners[0])];
     double offset = 0;
@@ -93,7 +93,7 @@ class DistanceBound {
     return least + facet_error(t, 1 << depth) + surface_.error;
   }
 
-  /// Of a part of a triangle that has been divided `depth` times.
+  /// A bound for a part of a triangle that has been divided `depth` times.
   double bound(const QuadraticSheet::Triangle& t, const std::array<Sample, 3>& corners, int depth) const {
     const double largest = std::max({corners[0].distance, corners[1].distance, corners[2].distance});
     const bool on_one =

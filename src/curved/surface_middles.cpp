@@ -304,10 +304,12 @@ class Sheets {
       normal[k] = unit(n + (dot(n, m) < 0 ? -1.0 : 1.0) * m);
       height[k] = is_flat(corners[k] / 3) ? 0 : dot(offset_on_sheet(edge, corners[k]), normal[k]);
     }
-    // The smallest x with normal . x = height for both.
+    // The smallest x with normal . x = height for both. Its determinant is the squared sine of the angle between the
+    // normals, which must be at least about 6 degrees.
+    constexpr double kMinDeterminant = 0.01;
     const double c = dot(normal[0], normal[1]);
     const double determinant = 1 - c * c;
-    if (!(determinant > 0.01)) return {0, 0, 0};
+    if (!(determinant > kMinDeterminant)) return {0, 0, 0};
     return ((height[0] - c * height[1]) / determinant) * normal[0] +
            ((height[1] - c * height[0]) / determinant) * normal[1];
   }

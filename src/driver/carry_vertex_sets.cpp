@@ -5,6 +5,7 @@
 
 #include "backend/span.hpp"
 #include "mesh/node_sets.hpp"
+#include "mesh/tet_orientation.hpp"
 #include "mesh/transfer/inserted_vertices.hpp"
 
 namespace tetune {
@@ -45,7 +46,10 @@ std::vector<int> carry_vertex_sets(const TetMesh& mesh, const std::vector<Index>
   std::vector<int> tags(ids.size(), 0);
   if (!has_vertex_sets(mesh)) return tags;
   std::vector<InsertedVertex> inserted;
-  if (result && !ids.empty()) inserted = find_inserted(mesh, result(), ids, places);
+  if (result && !ids.empty()) {
+    const TetMesh shape = result();
+    inserted = find_inserted(mesh, shape, mark_vertices(find_surface_faces(shape), shape.points.size()), ids, places);
+  }
   carry_node_sets(mesh.point_data, new2original, inserted, point_data);
   std::transform(inserted.begin(), inserted.end(), tags.begin(), [&mesh](const InsertedVertex& v) {
     return v.common_value([&mesh](Index original) { return span_of(mesh.point_tags)[original]; });

@@ -17,7 +17,7 @@ struct ClassifiedMesh {
   Report report;
   ClassifiedMesh(const TetMesh& mesh, const Options& options) : backend(options.threads) {
     work.scale = unit_scale(mesh);
-    import_mesh(backend, mesh, options, nullptr, true, work, report);
+    import_mesh(backend, ImportInput{.mesh = mesh, .options = options}, work, report);
   }
 };
 

@@ -62,10 +62,10 @@ std::vector<MeshPlace> places_of(const PlaceTracker& tracker, const WorkingSet<B
 
 /// Replaces the caller's mesh by the result, and updates the places of the vertices on the surface that they slide on.
 /// Reports which entities were kept. When it throws, mesh and surface are as before; the working set is consumed in any
-/// case. `is_moved`: the vertices followed targets. `stop_transfer`: as of replace_mesh().
+/// case.
 template <class Backend>
-void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Options& options, bool is_moved,
-                 TetMesh& mesh, SlideSurface* surface, const std::function<bool()>& stop_transfer, Report& report) {
+void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const ExportRules& rules, TetMesh& mesh,
+                 SlideSurface* surface, Report& report) {
   // Makes room for the result.
   work.rings = {};
   work.coloring = {};
@@ -84,11 +84,12 @@ void export_mesh(const Backend& backend, WorkingSet<Backend>& work, const Option
   result.points = work.mesh.points.download();
   result.boundary = work.boundary.triangles.download();
   result.listed_boundary = std::move(work.listed_boundary);
-  result.is_moved = is_moved;
+  result.required_slots = std::move(work.required_slots);
+  result.listed_triangles = std::move(work.listed_triangles);
+  result.scale = work.scale;
   PlacesOnSurface places;
   if (surface != nullptr) places = export_places(backend, work.dofs, result.numbering.work2extended, work.scale);
-  replace_mesh(mesh, std::move(result), work.required_slots, work.listed_triangles, work.scale, options, stop_transfer,
-               report);
+  replace_mesh(mesh, std::move(result), rules, report);
   if (surface != nullptr) surface->PlacesOnSurface::operator=(std::move(places));
 }
 

@@ -24,6 +24,21 @@
 #include "tetune/validate.hpp"
 
 namespace tetune {
+
+/// The treatment of the vertices of periodic links.
+enum class LinkedVertices : std::uint8_t {
+  move,   ///< they move together where moves_periodic() holds
+  fixed,  ///< they stay
+};
+
+/// The input of import_mesh().
+struct ImportInput {
+  const TetMesh& mesh;
+  const Options& options;
+  const SlideSurface* slides_on = nullptr;  ///< the surface for Boundary::slide; null: the mesh's own
+  LinkedVertices linked = LinkedVertices::move;
+};
+
 namespace import_mesh_detail {
 
 /// Locks the faces of the listed tetrahedra.
@@ -108,9 +123,10 @@ inline std::vector<VertexConstraint> work_constraints(const TetMesh& mesh,
 
 /// Finds the surface and decides where its vertices may go.
 template <class Backend>
-void import_surface(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
-                    const Constraints& constraints, const std::vector<Index>& original2vertex, bool moves_links,
-                    WorkingSet<Backend>& work, Report& report) {
+void import_surface(const Backend& backend, const ImportInput& source, const Constraints& constraints,
+                    const std::vector<Index>& original2vertex, WorkingSet<Backend>& work, Report& report) {
+  const TetMesh& mesh = source.mesh;
+  const Options& options = source.options;
   const DeviceViewOf<Backend, std::array<Index, 3>> triangles(backend, mesh.triangles);
   const DeviceViewOf<Backend, int> tags(backend, mesh.triangle_tags);
   const DeviceViewOf<Backend, std::uint8_t> required_view(backend, constraints.required_triangles);
@@ -128,7 +144,8 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
   work.listed_triangles = listed_state.download();
 
   work.vertex_constraints = work_constraints(mesh, constraints.vertices, original2vertex, work.listed_triangles);
-  const bool moves = moves_links && slides_on == nullptr && moves_periodic(mesh, options);
+  const bool moves =
+      source.linked == LinkedVertices::move && source.slides_on == nullptr && moves_periodic(mesh, options);
   const std::vector<VertexConstraint> without_links =
       moves ? work_constraints(mesh, constraints.vertices_without_links, original2vertex, work.listed_triangles)
             : work.vertex_constraints;
@@ -156,7 +173,7 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
                                 .edges = edges,
                                 .constraints = work.vertex_constraints,
                                 .scale = work.scale,
-                                .slides_on = slides_on,
+                                .slides_on = source.slides_on,
                                 .original2vertex = original2vertex};
   find_dofs(backend, work.mesh, input, work.dofs, report);
   if (moves) import_periodic(backend, mesh, input, without_links, work, report);
@@ -168,17 +185,15 @@ void import_surface(const Backend& backend, const TetMesh& mesh, const Options& 
 }  // namespace import_mesh_detail
 
 /// Builds the working set of a mesh: checks the mesh, renumbers it, finds its surface and decides where each vertex may
-/// go. Requires WorkingSet::scale. `slides_on`: the surface for Boundary::slide; null: the mesh's own. Vertices of
-/// periodic links are fixed unless `moves_links`. Throws MeshError and OptionError.
+/// go. Requires WorkingSet::scale. Throws MeshError and OptionError.
 template <class Backend>
-void import_mesh(const Backend& backend, const TetMesh& mesh, const Options& options, const SlideSurface* slides_on,
-                 bool moves_links, WorkingSet<Backend>& work, Report& report) {
+void import_mesh(const Backend& backend, const ImportInput& source, WorkingSet<Backend>& work, Report& report) {
   using namespace import_mesh_detail;
-  require_arrays(mesh);
-  const Constraints constraints = find_constraints(mesh, options);
-  const std::vector<Index> original2vertex = import_tets(backend, mesh, options, work);
-  lock_tets(backend, mesh, constraints.locked_tets, work);
-  import_surface(backend, mesh, options, slides_on, constraints, original2vertex, moves_links, work, report);
+  require_arrays(source.mesh);
+  const Constraints constraints = find_constraints(source.mesh, source.options);
+  const std::vector<Index> original2vertex = import_tets(backend, source.mesh, source.options, work);
+  lock_tets(backend, source.mesh, constraints.locked_tets, work);
+  import_surface(backend, source, constraints, original2vertex, work, report);
 }
 
 }  // namespace tetune

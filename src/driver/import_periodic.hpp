@@ -35,7 +35,8 @@ std::vector<MotionSpace> spaces_without_links(const Backend& backend, WorkMesh<B
   backend.fill(axis.span(), Vec3{});
   const DeviceViewOf<Backend, VertexConstraint> constraints(backend, without_links);
   const auto classify = [&](const EdgeSet<Backend>& features) {
-    classify_vertices(backend, mesh, input.surface, features, constraints.span(), false, dof.span(), axis.span());
+    const ConstrainedSurface<Backend> constrained{input.surface, features, constraints.span()};
+    classify_vertices(backend, mesh, constrained, SurfaceRule::keeps_shape, dof.span(), axis.span());
   };
   if (report.edges_not_held == 0) {
     classify(input.edges);

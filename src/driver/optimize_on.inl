@@ -103,7 +103,11 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   report.tets_before = std::ssize(mesh.tets);
   WorkingSet<Backend> work;
   work.scale = job == nullptr ? unit_scale(mesh) : std::min(unit_scale(mesh), job->scale);
-  timer.measure(Phase::load, [&] { import_mesh(backend, mesh, options, surface, job == nullptr, work, report); });
+  const ImportInput source{.mesh = mesh,
+                           .options = options,
+                           .slides_on = surface,
+                           .linked = job == nullptr ? LinkedVertices::move : LinkedVertices::fixed};
+  timer.measure(Phase::load, [&] { import_mesh(backend, source, work, report); });
   if (job != nullptr && options.boundary == Boundary::slide) {
     optimize_on_detail::cut_reference(backend, job->motion, work);
   }
@@ -121,7 +125,9 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
     tracker.reset();  // its memory is free for the transfer
   }
   timer.measure(Phase::store, [&] {
-    export_mesh(backend, work, options, job != nullptr, mesh, surface, transfer_stop(context.stop, start), report);
+    const ExportRules rules{
+        .options = options, .is_moved = job != nullptr, .stop_transfer = transfer_stop(context.stop, start)};
+    export_mesh(backend, work, rules, mesh, surface, report);
   });
   report.tets_after = std::ssize(mesh.tets);
   return report;

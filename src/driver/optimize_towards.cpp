@@ -196,7 +196,7 @@ class CriteriaRun {
         context_for(kFirstRun + (1 - kFirstRun) * i / kMaxTargetRounds, (1 - kFirstRun) / kMaxTargetRounds);
     Report report;
     try {
-      report = optimize_tets(changed, failing_tets(mesh), round.rings, round_options(mesh), context);
+      report = optimize_tets(changed, {failing_tets(mesh), round.rings}, round_options(mesh), context);
     } catch (const OverlapError&) {
       return round;  // not kept
     }

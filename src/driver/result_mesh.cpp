@@ -56,12 +56,14 @@ std::vector<std::array<Index, 4>> tets_in_new_ids(const HostResult& result) {
 }
 
 /// Sets the data of vertices and tetrahedra of the result, whose points are those by extended id.
-void transfer_data(const TetMesh& mesh, const HostResult& result, const Options& options,
-                   const std::function<bool()>& stop, TetMesh& next, Report& report) {
+void transfer_data(const TetMesh& mesh, const HostResult& result, const ExportRules& rules, TetMesh& next,
+                   Report& report) {
+  const Options& options = rules.options;
   const bool has_data = !mesh.point_data.empty() || !mesh.tet_data.empty();
   if (options.data == DataTransfer::conserve && has_data) {
-    std::optional<ConservedData> data = conserve_data_until_stopped(
-        backend::Cpu(options.threads, stop), mesh, tets_in_new_ids(result), result.tet2original, report.places);
+    std::optional<ConservedData> data =
+        conserve_data_until_stopped(backend::Cpu(options.threads, rules.stop_transfer), mesh, tets_in_new_ids(result),
+                                    result.tet2original, report.places);
     if (data) {
       next.point_data = std::move(data->point_data);
       next.tet_data = std::move(data->tet_data);
@@ -76,11 +78,11 @@ void transfer_data(const TetMesh& mesh, const HostResult& result, const Options&
 }
 
 /// Carries sets of nodes, and gives inserted vertices tags. The points of `next` are those by extended id, its data
-/// those of the result.
-void carry_sets(const TetMesh& mesh, const HostResult& result, const Report& report, TetMesh& next) {
+/// those of the result. The shape of the result says where inserted vertices are, unless it has moved from the input's.
+void carry_sets(const TetMesh& mesh, const HostResult& result, bool is_moved, const Report& report, TetMesh& next) {
   const std::vector<Index>& extended2new = result.numbering.extended2new;
   std::function<TetMesh()> make_shape;
-  if (!result.is_moved || !report.places.empty()) {
+  if (!is_moved || !report.places.empty()) {
     make_shape = [&] {
       TetMesh shape;
       shape.points = gather_entries(next.points, kept_of(extended2new));
@@ -114,12 +116,11 @@ void carry_sets(const TetMesh& mesh, const HostResult& result, const Report& rep
 /// Replaces the listed triangles by those of the result. Those inside one region that lock nothing are dropped and
 /// counted, unless they are sides of other elements; so are those whose place on the boundary others have taken.
 /// Returns the original of each.
-std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& result,
-                                     const std::vector<Listed>& listed_triangles, const OtherElements& others,
+std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& result, const OtherElements& others,
                                      TetMesh& next, Report& report) {
   const ChangedTriangles changed = follow_changes(result.boundary, result.numbering.work2extended, mesh.triangles);
   std::vector<std::uint8_t> keep;
-  auto state = listed_triangles.begin();
+  auto state = result.listed_triangles.begin();
   for (const auto& triangle : mesh.triangles) {
     keep.push_back(*state++ != Listed::loose || others.have(triangle) ? 1 : 0);
   }
@@ -199,26 +200,24 @@ std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMes
   return gather_entries(mesh.tet_tags, tet2original);
 }
 
-void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
-                  const std::vector<Listed>& listed_triangles, double scale, const Options& options,
-                  const std::function<bool()>& stop_transfer, Report& report) {
+void replace_mesh(TetMesh& mesh, HostResult result, const ExportRules& rules, Report& report) {
   VertexNumbering& numbering = result.numbering;
   TetMesh next;
-  next.points = extended_points(mesh.points, result.points, numbering, scale);
-  if (!result.is_manifold) refuse_overlaps(result, next.points, options.threads);
+  next.points = extended_points(mesh.points, result.points, numbering, result.scale);
+  if (!result.is_manifold) refuse_overlaps(result, next.points, rules.options.threads);
   next.point_tags = mesh.point_tags;
   next.point_tags.resize(next.points.size(), 0);
   next.deck_nodes = mesh.deck_nodes;
   if (!mesh.deck_nodes.empty()) next.deck_nodes.resize(next.points.size(), 0);
-  transfer_data(mesh, result, options, stop_transfer, next, report);
-  carry_sets(mesh, result, report, next);
+  transfer_data(mesh, result, rules, next, report);
+  carry_sets(mesh, result, rules.is_moved, report, next);
   next.tet_tags = regions_of(result.tet2original, mesh);
-  next.required_tets = new_required_tets(required_slots, result.slot_of_tet);
+  next.required_tets = new_required_tets(result.required_slots, result.slot_of_tet);
   next.corners = mesh.corners;
   next.required_vertices = mesh.required_vertices;
 
   const OtherElements others(mesh);
-  std::vector<Index> triangle2original = replace_triangles(mesh, result, listed_triangles, others, next, report);
+  std::vector<Index> triangle2original = replace_triangles(mesh, result, others, next, report);
 
   const std::vector<Index> edge2new = positions_of_kept(lasting_edges(mesh, result.tets, others));
   std::vector<Index> edge2original = kept_of(edge2new);

@@ -27,7 +27,7 @@ struct VertexNumbering {
 /// `vertex2original` as of WorkMesh; `originals` is the number of the caller's vertices.
 VertexNumbering number_vertices(std::vector<Index> vertex2original, std::size_t originals);
 
-/// The optimized mesh on the host.
+/// The optimized mesh on the host, and of WorkingSet what relates it to the caller's.
 struct HostResult {
   VertexNumbering numbering;
   std::vector<Point> points;               ///< per work vertex
@@ -36,20 +36,26 @@ struct HostResult {
   std::vector<Index> slot_of_tet;  ///< before compaction; increasing
   std::vector<BoundaryTriangle> boundary;
   std::vector<Index> listed_boundary;  ///< the entries of the caller's list that were on the boundary before
+  std::vector<Index> required_slots;
+  std::vector<Listed> listed_triangles;
+  double scale = 1;
   bool is_manifold = true;
+};
+
+/// How the caller's mesh becomes the result.
+struct ExportRules {
+  const Options& options;
   bool is_moved = false;  ///< the vertices followed targets
+  /// All threads call it. A conservative transfer that it ends leaves a warning and interpolated data.
+  std::function<bool()> stop_transfer;
 };
 
 /// Returns the tags of the tetrahedra that these of the caller's have become.
 std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh);
 
-/// Replaces the caller's mesh by the result, and reports which of its entities were kept. `required_slots` and
-/// `listed_triangles`: as of WorkingSet. When it throws, the mesh is as before. Throws OverlapError where flips have
-/// made faces of three or more tetrahedra, and MeshError for incomplete data arrays.
-///
-/// A conservative transfer that `stop_transfer` ends, which all threads call, leaves a warning and interpolated data.
-void replace_mesh(TetMesh& mesh, HostResult result, const std::vector<Index>& required_slots,
-                  const std::vector<Listed>& listed_triangles, double scale, const Options& options,
-                  const std::function<bool()>& stop_transfer, Report& report);
+/// Replaces the caller's mesh by the result, and reports which of its entities were kept. When it throws, the mesh is
+/// as before. Throws OverlapError where flips have made faces of three or more tetrahedra, and MeshError for incomplete
+/// data arrays.
+void replace_mesh(TetMesh& mesh, HostResult result, const ExportRules& rules, Report& report);
 
 }  // namespace tetune

@@ -20,13 +20,6 @@ namespace {
 /// The largest distance of a node from the middle of its edge, relative to the edge, that rounding explains.
 constexpr double kStraightInFile = 1e-4;
 
-double distance(const Point3& p, const Point3& q) {
-  const Point3 d{p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-  return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-}
-
-Point3 midpoint(const Point3& p, const Point3& q) { return {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2}; }
-
 /// The values of vertex v.
 template <class Values>
 auto entry_of(Values& values, Index v, std::size_t each) {

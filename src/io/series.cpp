@@ -43,12 +43,14 @@ struct Tag {
   }
 };
 
-/// Reads the tags of the part of XML that collections use: elements with attributes, comments and a declaration, no
-/// text unless `has_text` is set, which is then skipped.
+/// The treatment of text between elements.
+enum class TextBetween { fails, is_skipped };
+
+/// Reads the tags of the part of XML that collections use: elements with attributes, comments and a declaration.
 class TagReader {
  public:
-  TagReader(std::string path, std::string_view text, bool has_text = false)
-      : path_(std::move(path)), text_(text), has_text_(has_text) {}
+  TagReader(std::string path, std::string_view text, TextBetween between = TextBetween::fails)
+      : path_(std::move(path)), text_(text), between_(between) {}
 
   [[noreturn]] void fail(const std::string& reason) const {
     const std::string_view before = text_.substr(0, at_);
@@ -60,7 +62,7 @@ class TagReader {
   bool has_next() {
     if (at_ == 0 && text_.starts_with("\xef\xbb\xbf")) at_ = 3;
     for (;;) {
-      if (has_text_) {
+      if (between_ == TextBetween::is_skipped) {
         at_ = std::min(text_.find('<', at_), text_.size());
       } else {
         skip_space();
@@ -176,7 +178,7 @@ class TagReader {
 
   const std::string path_;
   const std::string_view text_;
-  const bool has_text_;
+  const TextBetween between_;
   std::size_t at_ = 0;
 };
 
@@ -231,7 +233,7 @@ std::vector<SeriesStep> read_collection(TagReader& reader, const std::filesystem
 
 std::vector<std::string> vtk_pieces(const std::string& path) {
   const MappedFile file(path);
-  TagReader reader(path, file.bytes(), true);
+  TagReader reader(path, file.bytes(), TextBetween::is_skipped);
   std::vector<std::string> pieces;
   while (reader.has_next()) {
     const Tag tag = reader.next();
@@ -243,22 +245,22 @@ std::vector<std::string> vtk_pieces(const std::string& path) {
 
 std::vector<SeriesStep> parse_series(const std::string& path, std::string_view bytes) {
   TagReader reader(path, bytes);
-  const auto expect = [&reader](const Tag& tag, std::string_view name, bool closes) {
-    if (tag.name == name && tag.closes == closes) return;
-    reader.fail(std::string(closes ? "expected </" : "expected <").append(name).append(">"));
+  const auto expect = [&reader](const Tag& tag, const std::string& written) {
+    if (std::string(tag.closes ? "</" : "<").append(tag.name).append(">") == written) return;
+    reader.fail("expected " + written);
   };
   const Tag file = reader.next();
-  expect(file, "VTKFile", false);
+  expect(file, "<VTKFile>");
   const std::string* type = file.find("type");
   if (type == nullptr || *type != "Collection") {
     reader.fail("this file of VTK is not a collection (type=\"Collection\")");
   }
   const Tag collection = reader.next();
-  expect(collection, "Collection", false);
+  expect(collection, "<Collection>");
   std::vector<SeriesStep> steps;
   if (!file.is_empty && !collection.is_empty) steps = read_collection(reader, path_of(path).parent_path());
   if (steps.empty()) reader.fail("the collection lists no file");
-  expect(reader.next(), "VTKFile", true);
+  expect(reader.next(), "</VTKFile>");
   if (reader.has_next()) reader.fail("there is more after </VTKFile>");
   return steps;
 }

@@ -24,14 +24,19 @@ constexpr int kTriangle = 5;
 constexpr int kTetrahedron = 10;
 
 /// A kind of other elements, by its number in VTK, in which order its vertices are.
+/// The list of a file that an element is in.
+enum class Su2List : std::uint8_t { solids, marker };
+
 struct Su2Kind {
   int type;
   const char* kind;
   int vertices;
-  bool is_solid;
+  Su2List list;
 };
-constexpr std::array<Su2Kind, 4> kKinds{
-    {{9, "Quadrilaterals", 4, false}, {12, "Hexahedra", 8, true}, {13, "Prisms", 6, true}, {14, "Pyramids", 5, true}}};
+constexpr std::array<Su2Kind, 4> kKinds{{{9, "Quadrilaterals", 4, Su2List::marker},
+                                         {12, "Hexahedra", 8, Su2List::solids},
+                                         {13, "Prisms", 6, Su2List::solids},
+                                         {14, "Pyramids", 5, Su2List::solids}}};
 
 class Su2Reader {
  public:
@@ -88,7 +93,7 @@ class Su2Reader {
     } else if (name == "NZONE") {
       if (cursor_.integer("number of zones") != 1) cursor_.fail("the file has several zones; write each to a file");
     } else if (name == "NELEM") {
-      read_elements(count("number of elements", 5), false);
+      read_elements(count("number of elements", 5), Su2List::solids);
       has_elements_ = true;
     } else if (name == "NPOIN") {
       read_points();
@@ -135,33 +140,34 @@ class Su2Reader {
     }
   }
 
-  void read_elements(std::size_t n, bool is_marker) {
+  void read_elements(std::size_t n, Su2List list) {
     for (std::size_t i = 0; i < n; ++i) {
       const std::int64_t type = integer("type of an element");
-      if (type == kTetrahedron && !is_marker) {
+      if (type == kTetrahedron && list == Su2List::solids) {
         mesh_.tets.push_back({});
         for (Index& v : mesh_.tets.back()) v = vertex();
-      } else if (type == kTriangle && is_marker) {
+      } else if (type == kTriangle && list == Su2List::marker) {
         mesh_.triangles.push_back({});
         for (Index& v : mesh_.triangles.back()) v = vertex();
         mesh_.triangle_tags.push_back(marker_);
       } else {
-        read_other(type, is_marker);
+        read_other(type, list);
       }
       while (!cursor_.line_done()) cursor_.word();  // its number
     }
   }
 
-  void read_other(std::int64_t type, bool is_marker) {
+  void read_other(std::int64_t type, Su2List list) {
     const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [type](const Su2Kind& k) { return k.type == type; });
-    if (kind == kKinds.end() || kind->is_solid == is_marker) {
-      cursor_.fail("elements of type " + std::to_string(type) + " cannot be " + (is_marker ? "in a marker" : "solids"));
+    if (kind == kKinds.end() || kind->list != list) {
+      cursor_.fail("elements of type " + std::to_string(type) + " cannot be " +
+                   (list == Su2List::marker ? "in a marker" : "solids"));
     }
     auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
                               [&kind](const ElementBlock& b) { return b.kind == kind->kind; });
     if (block == mesh_.others.end()) block = mesh_.others.insert(block, {kind->kind, kind->vertices, {}, {}, {}});
     for (int k = 0; k < kind->vertices; ++k) block->element2vertex.push_back(vertex());
-    block->tags.push_back(is_marker ? marker_ : 0);
+    block->tags.push_back(list == Su2List::marker ? marker_ : 0);
   }
 
   void read_marker() {
@@ -174,7 +180,7 @@ class Su2Reader {
     if (!at_end() && cursor_.peek().starts_with("SEND_TO")) {
       cursor_.fail("the file is a part of a partitioned mesh (SEND_TO); use the whole mesh");
     }
-    read_elements(elements, true);
+    read_elements(elements, Su2List::marker);
   }
 
   TextCursor cursor_;
@@ -215,17 +221,19 @@ class Su2Markers {
  private:
   void add(int tag, std::vector<Index> line) {
     auto name = names_.find(tag);
-    if (name == names_.end()) name = names_.emplace(tag, marker_of("patch" + std::to_string(tag), true)).first;
+    if (name == names_.end())
+      name = names_.emplace(tag, marker_of("patch" + std::to_string(tag), MarkerOf::single_tag)).first;
     lines_[name->second].push_back(std::move(line));
   }
-  /// The marker of a name, in which SU2 reads no blanks and no comment; two names have two markers, and one of a tag
-  /// that is in no group (`is_loose`) has its own.
-  std::string marker_of(const std::string& name, bool is_loose = false) {
+  enum class MarkerOf : std::uint8_t { group, single_tag };
+  /// The marker of a name, in which SU2 reads no blanks and no comment; two names have two markers, and a tag that is
+  /// in no group has its own.
+  std::string marker_of(const std::string& name, MarkerOf of = MarkerOf::group) {
     std::string plain = name;
     std::replace_if(
         plain.begin(), plain.end(), [](unsigned char c) { return c <= ' ' || c == '%'; }, '_');
     std::string marker = plain;
-    for (int n = 2; marker2owner_.try_emplace(marker, name, is_loose).first->second != std::pair{name, is_loose}; ++n) {
+    for (int n = 2; marker2owner_.try_emplace(marker, name, of).first->second != std::pair{name, of}; ++n) {
       marker = plain + "_" + std::to_string(n);
     }
     if (marker != name) context_.warn("the group \"" + name + "\" is written as " + marker);
@@ -234,7 +242,7 @@ class Su2Markers {
 
   const IoContext& context_;
   std::map<int, std::string> names_;
-  std::map<std::string, std::pair<std::string, bool>> marker2owner_;
+  std::map<std::string, std::pair<std::string, MarkerOf>> marker2owner_;
   std::map<std::string, std::vector<std::vector<Index>>> lines_;
   bool is_shared_ = false;
 };
@@ -244,7 +252,7 @@ void warn_of_losses_in_su2(const TetMesh& mesh, const IoContext& context) {
   for (const ElementBlock& block : mesh.others) {
     const auto kind =
         std::find_if(kKinds.begin(), kKinds.end(), [&](const Su2Kind& k) { return k.kind == block.kind; });
-    if (kind == kKinds.end() || !kind->is_solid) continue;
+    if (kind == kKinds.end() || kind->list != Su2List::solids) continue;
     std::copy_if(block.tags.begin(), block.tags.end(), std::back_inserter(regions), [](int tag) { return tag != 0; });
   }
   if (has_tag(regions)) context.warn("the format cannot hold regions: tags of tetrahedra and other solids are lost");
@@ -273,7 +281,7 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
   for (const ElementBlock& block : mesh.others) {
     const auto kind =
         std::find_if(kKinds.begin(), kKinds.end(), [&block](const Su2Kind& k) { return k.kind == block.kind; });
-    if (kind != kKinds.end() && kind->is_solid) solids += block.tags.size();
+    if (kind != kKinds.end() && kind->list == Su2List::solids) solids += block.tags.size();
     if (kind == kKinds.end()) context.warn("the format cannot hold elements of kind " + block.kind);
   }
   LineWriter out(file, context.threads);
@@ -286,7 +294,7 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
   });
   for (const ElementBlock& block : mesh.others) {
     for (const Su2Kind& kind : kKinds) {
-      if (!kind.is_solid || kind.kind != block.kind) continue;
+      if (kind.list != Su2List::solids || kind.kind != block.kind) continue;
       out.lines(block.tags.size(), [&](auto& entry, std::size_t i) {
         entry.integer(kind.type);
         const std::size_t n = to_size_t(kind.vertices);

@@ -25,7 +25,7 @@ class BoxTree {
       return true;
     });
   }
-  /// The same, until visit() returns false; returns whether it never did.
+  /// Visits items as for_meeting() does, until visit() returns false. Returns whether it never did.
   template <class Visit>
   bool while_meeting(const Box& box, const Visit& visit) const {
     return items_.empty() || descend(levels_.size() - 1, 0, box, visit);

@@ -24,8 +24,7 @@ Hit closest_on_triangle(const Vec3& p, const TrianglePoints& t) {
   const Vec3 e2 = t[2] - t[0];
   const Vec3 n = cross(e1, e2);
   const double n2 = dot(n, n);
-  // A degenerate triangle has a normal of rounding errors only.
-  bool inside = n2 > 1e-28 * dot(e1, e1) * dot(e2, e2);
+  bool inside = n2 > kDegenerateSine2 * dot(e1, e1) * dot(e2, e2);
   for (std::size_t k = 0; k < 3 && inside; ++k) {
     inside = dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), n) >= 0;
   }

@@ -11,6 +11,10 @@ namespace tetune {
 
 using TrianglePoints = std::array<Vec3, 3>;
 
+/// A triangle is degenerate, and its normal is made of rounding errors, where the squared sine of its angle at the
+/// first corner is at most this.
+inline constexpr double kDegenerateSine2 = 1e-28;
+
 /// The squared distance of a point from a triangle.
 double distance2(const Vec3& p, const TrianglePoints& t);
 

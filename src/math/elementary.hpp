@@ -68,7 +68,7 @@ struct SineCosine {
   DoubleDouble sine, cosine;
 };
 
-/// Of an angle in [-7, 7], by Taylor series about the nearest multiple of pi / 2.
+/// Sine and cosine of an angle in [-7, 7], by Taylor series about the nearest multiple of pi / 2.
 inline SineCosine sine_cosine(double angle) {
   constexpr double kHalfPi[3] = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54, -0x1.f1976b7ed8fbcp-110};
   const double quarters = std::floor(angle / kHalfPi[0] + 0.5);
@@ -90,7 +90,7 @@ inline SineCosine sine_cosine(double angle) {
   return ((turns % 4) + 4) % 4 < 2 ? result : SineCosine{-result.sine, -result.cosine};
 }
 
-/// Of an angle in [-7, 7].
+/// Requires an angle in [-7, 7].
 inline double cos(double angle) { return sine_cosine(angle).cosine.high; }
 inline double sin(double angle) { return sine_cosine(angle).sine.high; }
 

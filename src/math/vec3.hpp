@@ -17,6 +17,9 @@ using Vec3 = Vec3T<double>;
 
 inline Vec3 vec(const Point3& p) { return {p[0], p[1], p[2]}; }
 inline Point3 to_point(const Vec3& p) { return {p.x, p.y, p.z}; }
+inline Point3 midpoint(const Point3& p, const Point3& q) {
+  return {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
+}
 
 template <class T>
 TETUNE_HD TETUNE_INLINE Vec3T<T> operator+(const Vec3T<T>& a, const Vec3T<T>& b) {
@@ -39,6 +42,7 @@ TETUNE_HD TETUNE_INLINE Vec3T<T> cross(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 TETUNE_HD inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
+inline double distance(const Point3& p, const Point3& q) { return norm(vec(p) - vec(q)); }
 inline Vec3 centroid(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return 0.25 * (a + b + c + d); }
 
 /// A symmetric 3x3 matrix.

@@ -213,8 +213,12 @@ AdjacencyReport build_adjacency(const Backend& backend, WorkMesh<Backend>& mesh)
     BufferOf<Backend, std::uint32_t> offsets;
     BufferOf<Backend, FaceInRow> items;
     build_unordered_rows<Backend, BucketOfFace, MakeFaceInRow, FaceInRow>(
-        backend, BucketOfFace::kBuckets * mesh.vertices(), 4 * mesh.slots(), BucketOfFace{mesh.tet2vertex},
-        MakeFaceInRow{mesh.tet2vertex}, offsets, items);
+        backend,
+        {.rows = BucketOfFace::kBuckets * mesh.vertices(),
+         .items = 4 * mesh.slots(),
+         .row_of = {mesh.tet2vertex},
+         .make = {mesh.tet2vertex}},
+        offsets, items);
     return backend.template reduce<AdjacencyReport>(4 * mesh.slots(),
                                                     MatchFace{mesh.tet2vertex, offsets, items, mesh.tet2tet});
   } else {

@@ -130,41 +130,52 @@ auto count_items(const Backend& backend, Size row_count, Size item_count, const 
 
 }  // namespace csr_detail
 
+/// The items 0..n-1 of rows to build.
+template <class RowOf, class Make = csr_detail::ItemItself>
+struct RowItems {
+  Size rows;
+  Size items;
+  RowOf row_of;    ///< row_of(item): the row of an item, or a negative number if it has none
+  Make make = {};  ///< make(item): what is stored for an item
+  /// The number of items that have a row, where it is known, so that the host does not wait for it.
+  std::optional<Size> listed = {};
+};
+
 /// build_csr_of() on a backend with atomics and without an order within rows, for uses whose result does not depend on
 /// it. `grouped` gets room for all items.
 template <class Backend, class RowOf, class Make, class T>
-void build_unordered_rows(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of,
-                          const Make& make, BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped) {
+void build_unordered_rows(const Backend& backend, const RowItems<RowOf, Make>& source,
+                          BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped) {
   using namespace csr_detail;
   BufferOf<Backend, std::uint32_t> counts;
-  count_items(backend, row_count, item_count, row_of, counts, offsets);
-  grouped.resize(backend, item_count);
-  backend.for_each(item_count, FillRows<RowOf, Make, T>{row_of, make, offsets, counts, grouped});
+  count_items(backend, source.rows, source.items, source.row_of, counts, offsets);
+  grouped.resize(backend, source.items);
+  backend.for_each(source.items, FillRows<RowOf, Make, T>{source.row_of, source.make, offsets, counts, grouped});
 }
 
-/// Groups the items 0..n-1 by row and stores make(item) for each. row_of(item) returns the row of an item, or a
-/// negative number if it has none. `listed`: the number of items that have one, where it is known, so that the host
-/// does not wait for it. A backend that provides count_by_row() and place_by_row() does without atomics.
+/// Groups items by row, and stores make(item) for each. A backend that provides count_by_row() and place_by_row() does
+/// without atomics.
 template <class Backend, class RowOf, class Make, class T>
-void build_csr_of(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, const Make& make,
-                  BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped,
-                  std::optional<Size> listed = {}) {
+void build_csr_of(const Backend& backend, const RowItems<RowOf, Make>& source,
+                  BufferOf<Backend, std::uint32_t>& offsets, BufferOf<Backend, T>& grouped) {
   using namespace csr_detail;
   using Ids = BufferOf<Backend, std::uint32_t>;
+  const RowOf& row_of = source.row_of;
+  const Make& make = source.make;
   if constexpr (backend::CountsByRow<Backend>) {
-    offsets.resize(backend, row_count + 1);
+    offsets.resize(backend, source.rows + 1);
     Ids positions;
-    grouped.resize(backend, backend.count_by_row(item_count, row_of, offsets.span(), positions));
+    grouped.resize(backend, backend.count_by_row(source.items, row_of, offsets.span(), positions));
     const Span<T> out = grouped;
-    backend.place_by_row(item_count, row_of, offsets.size(), positions, [&](Size item, std::uint32_t position) {
+    backend.place_by_row(source.items, row_of, offsets.size(), positions, [&](Size item, std::uint32_t position) {
       out[position] = make(static_cast<std::uint32_t>(item));
     });
   } else {
     Ids counts;
-    const auto sum = count_items(backend, row_count, item_count, row_of, counts, offsets);
-    Ids ids(backend, listed ? *listed : Size{sum.get()});
+    const auto sum = count_items(backend, source.rows, source.items, row_of, counts, offsets);
+    Ids ids(backend, source.listed ? *source.listed : Size{sum.get()});
     TETUNE_ASSERT(ids.size() == sum.get());
-    backend.for_each(item_count,
+    backend.for_each(source.items,
                      FillRows<RowOf, ItemItself, std::uint32_t>{row_of, ItemItself{}, offsets, counts, ids});
     grouped.resize(backend, ids.size());
     backend.for_each(ids.size(), MakeInOrder<RowOf, Make, T>{row_of, make, offsets, ids, grouped});
@@ -176,7 +187,7 @@ template <class Backend, class RowOf>
 void build_csr(const Backend& backend, Size row_count, Size item_count, const RowOf& row_of, Csr<Backend>& rows,
                std::optional<Size> listed = {}) {
   build_csr_of<Backend, RowOf, csr_detail::ItemItself, std::uint32_t>(
-      backend, row_count, item_count, row_of, csr_detail::ItemItself{}, rows.offsets, rows.items, listed);
+      backend, {.rows = row_count, .items = item_count, .row_of = row_of, .listed = listed}, rows.offsets, rows.items);
 }
 
 }  // namespace tetune

@@ -37,7 +37,7 @@ class SmallSet {
   static constexpr unsigned kSlots = kCapacity <= 64 ? 128 : 256;
   static_assert(2 * kCapacity <= int{kSlots});
 
-  /// Of a slot: 1 + the position of its id; 0: none.
+  /// 1 + the position of the id in a slot; 0: the slot is empty.
   TETUNE_HD int entry(unsigned slot) const { return static_cast<int>(slots_[slot / 8] >> 8 * (slot % 8) & 0xff); }
   /// The slot of an id, or the empty one where it would be.
   TETUNE_HD unsigned slot_of(Index item) const {

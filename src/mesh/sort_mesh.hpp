@@ -48,14 +48,18 @@ struct ComputeHilbertKey {
     if (bounds.z.high - bounds.z.low > side) side = bounds.z.high - bounds.z.low;
     // The odd factor and offset keep round fractions of the box, where vertices of structured meshes lie, away from
     // cell borders: the order then does not depend on the last bit, and a rescaled mesh gets the same order.
-    const double scale = side > 0 ? 0.98765432109876 * kHilbertCells / side : 0;
+    const double scale = side > 0 ? kOddFactor * kHilbertCells / side : 0;
     keys[i] =
         hilbert_index(cell(p.x, bounds.x.low, scale), cell(p.y, bounds.y.low, scale), cell(p.z, bounds.z.low, scale));
     ids[i] = static_cast<Index>(i);
   }
   TETUNE_HD static std::uint32_t cell(double x, double low, double scale) {
-    return static_cast<std::uint32_t>((x - low) * scale + 0.31830988618379);
+    return static_cast<std::uint32_t>((x - low) * scale + kOddOffset);
   }
+
+ private:
+  static constexpr double kOddFactor = 0.98765432109876;
+  static constexpr double kOddOffset = 0.31830988618379;
 };
 
 struct PermutePoints {

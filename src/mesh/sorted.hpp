@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "backend/span.hpp"
@@ -35,6 +37,17 @@ template <class T>
 Index position_in(const std::vector<T>& increasing, const std::type_identity_t<T>& value) {
   const auto found = std::lower_bound(increasing.begin(), increasing.end(), value);
   return found != increasing.end() && *found == value ? to_index(found - increasing.begin()) : -1;
+}
+
+/// The pairs with this first item, of a list of pairs in increasing order.
+template <class T>
+std::span<const std::pair<T, T>> pairs_from(const std::vector<std::pair<T, T>>& increasing,
+                                            const std::type_identity_t<T>& first) {
+  const auto begin = std::lower_bound(increasing.begin(), increasing.end(), first,
+                                      [](const auto& pair, const T& value) { return pair.first < value; });
+  const auto end = std::upper_bound(begin, increasing.end(), first,
+                                    [](const T& value, const auto& pair) { return value < pair.first; });
+  return {begin, end};
 }
 
 }  // namespace tetune

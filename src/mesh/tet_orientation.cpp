@@ -57,7 +57,7 @@ class FaceHashes {
     const std::uint64_t c = of(face, 2);
     return region_ * (b - a) * (c - a) * (c - b);
   }
-  /// The same for both half-faces.
+  /// The hash of a face; equal for both of its half-faces.
   std::uint64_t key(int face) const { return of(face, 0) + of(face, 1) + of(face, 2); }
 
  private:
@@ -185,7 +185,7 @@ std::vector<SortedHalfFace> sort_half_faces(const TetMeshView& mesh, Size count,
   const auto lowest_vertex = [&](Size i) { return Size{key_of(mesh, half_face_at(i)).low}; };
   const auto make = [&](Size i) { return make_sorted(mesh, half_face_at(i)); };
   build_csr_of<backend::Cpu, decltype(lowest_vertex), decltype(make), SortedHalfFace>(
-      cpu, vertices, count, lowest_vertex, make, offsets, half_faces);
+      cpu, {.rows = vertices, .items = count, .row_of = lowest_vertex, .make = make}, offsets, half_faces);
   cpu.for_each(vertices, SortGroup{offsets, half_faces});
   return half_faces.download();
 }
@@ -273,6 +273,12 @@ std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threa
   const std::vector<HalfFace> found = SurfaceFilter(mesh, view, cpu).run();
   const auto listed = [&](Size i) { return span_of(found)[i]; };
   return sort_half_faces(view, std::ssize(found), listed, cpu);
+}
+
+std::vector<std::array<Index, 3>> find_surface_faces(const TetMesh& mesh) {
+  std::vector<std::array<Index, 3>> faces;
+  for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) { faces.push_back(face.vertices); });
+  return faces;
 }
 
 std::int64_t orient_uniformly(TetMesh& mesh, int threads) {

@@ -30,8 +30,8 @@ struct SortedHalfFace {
 /// All half-faces, sorted by their vertices and then by tetrahedron. `threads` 0 means all.
 std::vector<SortedHalfFace> sorted_half_faces(const TetMesh& mesh, int threads = 1);
 
-/// Those of faces of the boundary and between regions, and few others, of which both half-faces are listed. Faces of
-/// more than two tetrahedra, which a valid mesh does not have, may be missing.
+/// The half-faces of the boundary and of the faces between regions, sorted as sorted_half_faces() does, and both
+/// half-faces of few other faces. Faces of more than two tetrahedra, which a valid mesh does not have, may be missing.
 std::vector<SortedHalfFace> half_faces_at_surface(const TetMesh& mesh, int threads = 1);
 
 /// Calls f(begin, end) for each group of half-faces of the same face.
@@ -55,5 +55,8 @@ void for_each_surface_face(const TetMesh& mesh, int threads, const F& f) {
     if (is_boundary || region(begin[0]) != region(begin[1])) f(*begin, is_boundary);
   });
 }
+
+/// The vertices of these faces, each in increasing order.
+std::vector<std::array<Index, 3>> find_surface_faces(const TetMesh& mesh);
 
 }  // namespace tetune

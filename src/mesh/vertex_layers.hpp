@@ -34,13 +34,24 @@ void mark_vertices(const AnyTet& tet, std::vector<std::uint8_t>& marks) {
 
 }  // namespace vertex_layers_detail
 
-/// Marks the vertices of the tetrahedra that are, or are not, marked; `count`: the number of vertices.
+/// Marks the vertices of the marked tetrahedra. `count`: the number of vertices.
 template <class AnyTet>
 std::vector<std::uint8_t> vertices_of(const std::vector<AnyTet>& tets, const std::vector<std::uint8_t>& tet_marks,
-                                      std::size_t count, bool are_marked = true) {
+                                      std::size_t count) {
   std::vector<std::uint8_t> marks(count, 0);
   for (std::size_t t = 0; t < tets.size(); ++t) {
-    if ((tet_marks[t] != 0) == are_marked) vertex_layers_detail::mark_vertices(tets[t], marks);
+    if (tet_marks[t] != 0) vertex_layers_detail::mark_vertices(tets[t], marks);
+  }
+  return marks;
+}
+
+/// Marks the vertices of the tetrahedra that are not marked.
+template <class AnyTet>
+std::vector<std::uint8_t> vertices_of_others(const std::vector<AnyTet>& tets,
+                                             const std::vector<std::uint8_t>& tet_marks, std::size_t count) {
+  std::vector<std::uint8_t> marks(count, 0);
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    if (tet_marks[t] == 0) vertex_layers_detail::mark_vertices(tets[t], marks);
   }
   return marks;
 }

@@ -17,8 +17,6 @@ template PassResult boundary_flip_pass(const Instance&, WorkMesh<Instance>&, con
                                        BoundaryTriangles<Instance>&, Span<std::uint8_t>);
 template PassResult face_removal_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
                                       Span<std::uint8_t>);
-template RetriangulationReport retriangulate_worst(const Instance&, WorkMesh<Instance>&, const Criterion&,
-                                                   FlipState<Instance>&, VertexDofs<Instance>&,
-                                                   BoundaryTriangles<Instance>*, Span<const Index>,
-                                                   const RetriangulationLimits&);
+template RetriangulationReport retriangulate_worst(const Instance&, const EditableMesh<Instance>&, const Criterion&,
+                                                   Span<const Index>, const RetriangulationLimits&);
 }  // namespace tetune

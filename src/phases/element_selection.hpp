@@ -149,13 +149,16 @@ void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const s
   backend.for_each(mesh.slots(), element_selection_detail::ClearOutside{{mesh.view(), flags}, values});
 }
 
+/// The largest result of upper_quantile().
+inline constexpr double kMaxQuantile = 1e6;
+
 /// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within the
 /// fraction `resolution`. The values are 0 or at least 1.
 template <class Backend>
 double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01) {
   using namespace element_selection_detail;
   double low = 1;
-  double high = 1e6;
+  double high = kMaxQuantile;
   // A device tries all bounds of several steps at once, as the host waits for each result.
   constexpr int kStepsAtOnce = 4;
   constexpr int kBounds = Backend::kIsAsynchronous ? (1 << kStepsAtOnce) - 1 : 1;

@@ -64,10 +64,10 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
   const double target = p.moves_neighbors ? p.min_cost : cost;
   std::vector<ResultOf<Backend, Sum<Size>>> moved;
   for (int pass = 0; pass < p.opening_passes; ++pass) {
-    moved.push_back(minimize_angle_cost(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
+    moved.push_back(minimize_angle_cost(backend, work.mesh, criterion, work.movable_vertices(),
                                         Span<const std::uint8_t>(selected.span()), target));
     if (work.periodic.classes() == 0) continue;
-    moved.push_back(minimize_periodic_cost(backend, work.mesh, criterion, work.rings.view(), work.periodic,
+    moved.push_back(minimize_periodic_cost(backend, work.mesh, criterion, work.movable_classes(),
                                            Span<const std::uint8_t>(selected.span()), target));
   }
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, improved.affected.span());

@@ -63,8 +63,12 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
     tets = {tets.data(), std::min(tets.size(), max_proposers)};
   }
   const RetriangulationReport changes =
-      retriangulate_worst(optimizer.backend, work.mesh, criterion, work.flips, work.dofs,
-                          edits_surface(options) ? &work.boundary : nullptr, tets, limits);
+      retriangulate_worst(optimizer.backend,
+                          EditableMesh<Backend>{.mesh = work.mesh,
+                                                .flips = work.flips,
+                                                .dofs = work.dofs,
+                                                .boundary = edits_surface(options) ? &work.boundary : nullptr},
+                          criterion, tets, limits);
   r.inserted = changes.inserted;
   r.removed = changes.removed;
   r.flips = changes.others;
@@ -93,13 +97,16 @@ RetriangulationLimits retriangulation_limits(const Optimizer<Backend>& optimizer
                                              double max_fraction = 1) {
   const auto tets = static_cast<double>(optimizer.report.tets_before);
   const double max_added = (optimizer.options.max_growth - 1) * tets;
-  // Whatever Options::restarts: what comes before does not depend on it, so that restarts do no harm.
+  // Does not depend on Options::restarts: the result before restarts is the same with any number of them, so that they
+  // do no harm.
   const bool may_be_restarted = !optimizer.work.is_neighborhood && optimizer.tuning.restart.rounds > 0;
   const double fraction =
       std::min(max_fraction,
                may_be_restarted ? inserted_fraction_before(optimizer.tuning.restart, max_added) : kInsertedFraction);
   const auto max_tets = static_cast<Size>(tets + fraction * max_added);
-  return {max_tets - optimizer.work.outside, vertex_cost, optimizer.tuning.angles.min_cost_gain};
+  return {.max_tets = max_tets - optimizer.work.outside,
+          .vertex_cost = vertex_cost,
+          .min_gain = optimizer.tuning.angles.min_cost_gain};
 }
 
 /// The result of improve_around().

@@ -98,14 +98,11 @@ class Optimizer {
   };
   Swept sweep_once(const Criterion& criterion, SweepScope scope) {
     const RelocationParameters& p = tuning.relocation;
-    const RingsView rings = work.rings.view();
     const auto sweep_with = [&](const auto& step) {
       Swept swept;
-      swept.vertices =
-          sweep<SweepRing<Backend>>(backend, work.mesh, criterion, rings, work.coloring, work.dofs, step, scope);
+      swept.vertices = sweep<SweepRing<Backend>>(backend, work.mesh, criterion, work.movable_vertices(), step, scope);
       if (work.periodic.classes() > 0) {
-        swept.classes =
-            sweep_periodic(backend, work.mesh, criterion, rings, work.periodic, work.dofs.active.span(), step, scope);
+        swept.classes = sweep_periodic(backend, work.mesh, criterion, work.movable_classes(), step, scope);
       }
       return swept;
     };

@@ -41,7 +41,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
       } else {
         activate_drifted(backend, work.mesh, criterion, work.flips);
       }
-      if (optimizer.work.boundary.flips_bend) flip_boundary_at_active(optimizer, criterion);
+      if (work.boundary.flips_bend) flip_boundary_at_active(optimizer, criterion);
       flip_until_none_active(optimizer, criterion);
     });
     optimizer.progress.estimate.finish_polish_sweep(sweep, p.sweeps);

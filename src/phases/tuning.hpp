@@ -157,7 +157,7 @@ struct RestartParameters {
   double min_fall_of_others = 0.05;
   /// In the rounds that follow for the largest angle its cost exceeds that of the smallest one by this fraction.
   double obtuse_lead = 0.075;
-  /// These rounds end after this number of successive ones without a restart that is kept.
+  /// The rounds for the largest angle end after this number of successive ones without a restart that is kept.
   int max_rounds_without = 6;
   /// Where more than `max_worst` elements have a cost within the fraction `tie` of the largest, as in structured
   /// meshes, there are no restarts.

@@ -5,6 +5,7 @@
 #include "boundary/vertex_dofs.hpp"
 #include "operators/engine/flip_state.hpp"
 #include "relocation/coloring.hpp"
+#include "relocation/movable_vertices.hpp"
 #include "relocation/periodic_set.hpp"
 #include "relocation/rings.hpp"
 
@@ -36,6 +37,9 @@ struct WorkingSet {
   /// The entries of the caller's list that are on the boundary at the start, if vertices are inserted and removed
   /// there.
   std::vector<Index> listed_boundary;
+
+  MovableVertices<Backend> movable_vertices() { return {rings.view(), coloring, dofs}; }
+  MovableClasses<Backend> movable_classes() { return {rings.view(), periodic, dofs}; }
 };
 
 }  // namespace tetune

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "mesh/connect.hpp"
@@ -24,19 +25,20 @@ struct CriterionSums {
   std::vector<FailedTet> failed_tets;  ///< if they are listed
 };
 
+/// Whether the tetrahedra that fail a criterion are listed too.
+enum class FailedTets : std::uint8_t { counted, listed };
+
 /// Counts values by the limits of a criterion.
 class CriterionCounter {
  public:
-  explicit CriterionCounter(const AcceptanceCriterion& criterion, bool lists_failed = false)
-      : criterion_(criterion),
-        larger_is_better_(info_of(criterion.measure).larger_is_better),
-        lists_failed_(lists_failed) {}
+  explicit CriterionCounter(const AcceptanceCriterion& criterion, FailedTets failed = FailedTets::counted)
+      : criterion_(criterion), larger_is_better_(info_of(criterion.measure).larger_is_better), failed_(failed) {}
 
   void add(CriterionSums& sums, double value, Size tet) const {
     ++sums.count;
     if (criterion_.fail && misses(value, *criterion_.fail)) {
       ++sums.failed;
-      if (lists_failed_) list(sums.failed_tets, value, to_index(tet));
+      if (failed_ == FailedTets::listed) list(sums.failed_tets, value, to_index(tet));
     } else if (criterion_.warn && misses(value, *criterion_.warn)) {
       ++sums.warned;
     }
@@ -80,22 +82,31 @@ class CriterionCounter {
   }
 
   const AcceptanceCriterion& criterion_;
-  bool larger_is_better_, lists_failed_;
+  bool larger_is_better_;
+  FailedTets failed_;
 };
+
+/// Whether a measure is of a tetrahedron and those across its faces.
+bool is_of_neighbors(CheckMeasure measure) {
+  return measure == CheckMeasure::orthogonal_quality || info_of(measure).of_faces;
+}
 
 /// Measures tetrahedra and faces of a mesh, in the caller's unit.
 class CheckedMesh {
  public:
-  CheckedMesh(const TetMesh& mesh, bool with_volumes, bool with_neighbors, int threads)
+  /// Prepares for these measures.
+  CheckedMesh(const TetMesh& mesh, std::span<const AcceptanceCriterion> criteria, int threads)
       : view_(mesh, unit_scale(mesh)), cpu_(threads) {
-    if (with_volumes) signs_ = volume_signs(mesh, threads);
-    if (!with_neighbors) return;
+    const auto is_of_volumes = [](const AcceptanceCriterion& c) { return c.measure == CheckMeasure::volume; };
+    const auto has_neighbors = [](const AcceptanceCriterion& c) { return is_of_neighbors(c.measure); };
+    if (std::any_of(criteria.begin(), criteria.end(), is_of_volumes)) signs_ = volume_signs(mesh, threads);
+    if (std::none_of(criteria.begin(), criteria.end(), has_neighbors)) return;
     work_ = upload_mesh(cpu_, mesh);
     build_adjacency(cpu_, work_);
   }
 
-  CriterionSums measure(const AcceptanceCriterion& criterion, bool lists_failed = false) {
-    const CriterionCounter counter(criterion, lists_failed);
+  CriterionSums measure(const AcceptanceCriterion& criterion, FailedTets failed = FailedTets::counted) {
+    const CriterionCounter counter(criterion, failed);
     std::vector<CriterionSums> chunks(to_size_t(shape_chunk_count(view_.tets.size())));
     cpu_.for_parts(std::ssize(chunks), [&](Size chunk) {
       CriterionSums& sums = span_of(chunks)[chunk];
@@ -179,33 +190,22 @@ class CheckedMesh {
   WorkMesh<backend::Cpu> work_;
 };
 
-/// Whether a measure is of a tetrahedron and those across its faces.
-bool has_neighbors(CheckMeasure measure) {
-  return measure == CheckMeasure::orthogonal_quality || info_of(measure).of_faces;
-}
-
 }  // namespace
 
 std::vector<FailedTet> find_failed(const TetMesh& mesh, const AcceptanceCriterion& criterion, int threads) {
-  const bool of_volumes = criterion.measure == CheckMeasure::volume;
-  return CheckedMesh(mesh, of_volumes, has_neighbors(criterion.measure), threads).measure(criterion, true).failed_tets;
+  return CheckedMesh(mesh, {&criterion, 1}, threads).measure(criterion, FailedTets::listed).failed_tets;
 }
 
 AcceptanceReport check(const TetMesh& mesh, const AcceptanceCriteria& criteria, int threads) {
   require_arrays(mesh);
-  bool with_volumes = false, with_neighbors = false;
-  for (const AcceptanceCriterion& c : criteria.criteria) {
-    check_criterion(c);
-    with_volumes = with_volumes || c.measure == CheckMeasure::volume;
-    with_neighbors = with_neighbors || has_neighbors(c.measure);
-  }
+  for (const AcceptanceCriterion& c : criteria.criteria) check_criterion(c);
   AcceptanceReport report;
   report.name = criteria.name;
   if (mesh.tets.empty()) {
     report.verdict = Verdict::fail;
     return report;
   }
-  CheckedMesh checked(mesh, with_volumes, with_neighbors, threads);
+  CheckedMesh checked(mesh, criteria.criteria, threads);
   for (const AcceptanceCriterion& c : criteria.criteria) {
     const CriterionSums sums = checked.measure(c);
     CriterionResult result{c, CriterionCounter(c).verdict(sums), sums.count, sums.warned, sums.failed, sums.worst};

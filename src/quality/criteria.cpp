@@ -14,9 +14,13 @@ namespace {
 
 using M = CheckMeasure;
 
+// CheckMeasureInfo::larger_is_better and ::of_faces.
+constexpr bool kLarger = true, kSmaller = false;
+constexpr bool kOfFaces = true, kOfTets = false;
+
 CheckMeasureInfo info(Measure measure) {
   const bool is_angle = measure == Measure::min_dihedral || measure == Measure::max_dihedral;
-  return {M(measure), to_string(measure), larger_is_better(measure), false, is_angle ? "degrees" : ""};
+  return {M(measure), to_string(measure), larger_is_better(measure), kOfTets, is_angle ? "degrees" : ""};
 }
 
 const std::array<CheckMeasureInfo, kCheckMeasures> kMeasureTable{
@@ -29,21 +33,21 @@ const std::array<CheckMeasureInfo, kCheckMeasures> kMeasureTable{
     info(Measure::radius_ratio),
     info(Measure::aspect_ratio),
     info(Measure::harmonic),
-    CheckMeasureInfo{M::volume, "volume", true, false, "length^3"},
-    CheckMeasureInfo{M::jacobian_ratio, "jacobian_ratio", false, false, ""},
-    CheckMeasureInfo{M::min_face_angle, "min_face_angle_deg", true, false, "degrees"},
-    CheckMeasureInfo{M::max_face_angle, "max_face_angle_deg", false, false, "degrees"},
-    CheckMeasureInfo{M::equiangle_skew, "equiangle_skew", false, false, ""},
-    CheckMeasureInfo{M::volume_skew, "volume_skew", false, false, ""},
-    CheckMeasureInfo{M::collapse, "collapse", true, false, ""},
-    CheckMeasureInfo{M::edge_ratio, "edge_ratio", false, false, ""},
-    CheckMeasureInfo{M::edge_altitude_ratio, "edge_altitude_ratio", false, false, ""},
-    CheckMeasureInfo{M::triangle_aspect, "triangle_aspect", false, false, ""},
-    CheckMeasureInfo{M::shortest_edge, "shortest_edge", true, false, "length"},
-    CheckMeasureInfo{M::min_altitude, "min_altitude", true, false, "length"},
-    CheckMeasureInfo{M::orthogonal_quality, "orthogonal_quality", true, false, ""},
-    CheckMeasureInfo{M::non_orthogonality, "non_orthogonality_deg", false, true, "degrees"},
-    CheckMeasureInfo{M::face_skewness, "face_skewness", false, true, ""}};
+    CheckMeasureInfo{M::volume, "volume", kLarger, kOfTets, "length^3"},
+    CheckMeasureInfo{M::jacobian_ratio, "jacobian_ratio", kSmaller, kOfTets, ""},
+    CheckMeasureInfo{M::min_face_angle, "min_face_angle_deg", kLarger, kOfTets, "degrees"},
+    CheckMeasureInfo{M::max_face_angle, "max_face_angle_deg", kSmaller, kOfTets, "degrees"},
+    CheckMeasureInfo{M::equiangle_skew, "equiangle_skew", kSmaller, kOfTets, ""},
+    CheckMeasureInfo{M::volume_skew, "volume_skew", kSmaller, kOfTets, ""},
+    CheckMeasureInfo{M::collapse, "collapse", kLarger, kOfTets, ""},
+    CheckMeasureInfo{M::edge_ratio, "edge_ratio", kSmaller, kOfTets, ""},
+    CheckMeasureInfo{M::edge_altitude_ratio, "edge_altitude_ratio", kSmaller, kOfTets, ""},
+    CheckMeasureInfo{M::triangle_aspect, "triangle_aspect", kSmaller, kOfTets, ""},
+    CheckMeasureInfo{M::shortest_edge, "shortest_edge", kLarger, kOfTets, "length"},
+    CheckMeasureInfo{M::min_altitude, "min_altitude", kLarger, kOfTets, "length"},
+    CheckMeasureInfo{M::orthogonal_quality, "orthogonal_quality", kLarger, kOfTets, ""},
+    CheckMeasureInfo{M::non_orthogonality, "non_orthogonality_deg", kSmaller, kOfFaces, "degrees"},
+    CheckMeasureInfo{M::face_skewness, "face_skewness", kSmaller, kOfFaces, ""}};
 
 /// No volume may be zero or negative: positive ones are at least this, also where they are below the range of doubles.
 constexpr double kSmallestVolume = std::numeric_limits<double>::min();

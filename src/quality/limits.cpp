@@ -50,7 +50,8 @@ bool misses_any(const TetShape& shape, const std::vector<Target>& limits) {
 void find_small_angles(const TetMeshView& mesh, const std::vector<Target>& limits, double degrees, Size chunk,
                        Span<std::uint8_t> missing) {
   const double cosine = elementary::cos(degrees / kDegreesPerRadian);
-  const double clear_cos2 = cosine * cosine - 1e-9;
+  constexpr double kMargin = 1e-9;  // far above the rounding errors of SmallestAngles
+  const double clear_cos2 = cosine * cosine - kMargin;
   const Size end = shape_chunk_begin(missing.size(), chunk + 1);
   for (Size first = shape_chunk_begin(missing.size(), chunk); first < end; first += kShapeLanes) {
     Vec3T<ShapePack> p[4];

@@ -52,7 +52,7 @@ HashedSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
   for (Size i = 0; i < std::ssize(surface.vertices); i += stride) {
     const MeshSurface::Vertex& v = span_of(surface.vertices)[i];
     const double radius = search_radius(span_of(surface.triangles)[v.triangle]);
-    sampled.add({v.point, radius, true, v.id}, hash_of(v.point));
+    sampled.add({.point = v.point, .radius = radius, .is_vertex = true, .start = v.id}, hash_of(v.point));
   }
   std::int64_t left = 0;  // to pass before the next sample
   for (Size i = 0; i < std::ssize(surface.triangles); ++i) {
@@ -61,7 +61,7 @@ HashedSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
     const auto add = [&](const Vec3& p) {
       if (left-- > 0) return;
       left = stride - 1;
-      sampled.add({p, search_radius(t), false, start}, hash_of(t));
+      sampled.add({.point = p, .radius = search_radius(t), .is_vertex = false, .start = start}, hash_of(t));
     };
     add((1.0 / 3) * (t[0] + t[1] + t[2]));
     for (std::size_t k = 0; k < 3; ++k) {

@@ -206,8 +206,10 @@ class DistanceSearch {
 }  // namespace
 
 double search_radius(const TrianglePoints& triangle) {
-  // A thin triangle has a small radius, but not one that grows for ever.
-  return std::sqrt(std::max(kFirstRadius * kFirstRadius * double_area(triangle), 1e-6 * max_length2(triangle)));
+  // The radius of a thin triangle is small, but at least a thousandth of its longest edge, as the search enlarges it in
+  // steps.
+  constexpr double kMinRadius2 = 1e-6;
+  return std::sqrt(std::max(kFirstRadius * kFirstRadius * double_area(triangle), kMinRadius2 * max_length2(triangle)));
 }
 
 SurfaceDescent::SurfaceDescent(const std::vector<TrianglePoints>& triangles,

@@ -111,15 +111,16 @@ inline Measures all_measures(const TetShape& s) {
 
   // A flat tetrahedron, or one so small that products of its lengths underflow, gets the worst value.
   Measures m{};
+  constexpr bool kAlways = true;
   const auto set = [&m](Measure which, bool defined, double value, double worst) {
     m[static_cast<std::size_t>(which)] = defined && std::isfinite(value) ? value : worst;
   };
-  set(Measure::min_dihedral, true, min_angle(s), 0);
-  set(Measure::max_dihedral, true, max_angle(s), 180);
+  set(Measure::min_dihedral, kAlways, min_angle(s), 0);
+  set(Measure::max_dihedral, kAlways, max_angle(s), 180);
   set(Measure::mean_ratio, positive, mean_ratio(s.volume, s.length2), 0);
-  set(Measure::sicn, true, 18 * s.volume / std::sqrt(s.length2 * s.area2), 0);
+  set(Measure::sicn, kAlways, 18 * s.volume / std::sqrt(s.length2 * s.area2), 0);
   set(Measure::gamma, positive, gamma, 0);
-  set(Measure::scaled_jacobian, true, std::numbers::sqrt2 * 6 * s.volume / std::sqrt(max_product2), 0);
+  set(Measure::scaled_jacobian, kAlways, std::numbers::sqrt2 * 6 * s.volume / std::sqrt(max_product2), 0);
   set(Measure::radius_ratio, positive, std::min(1 / gamma, kFlatRatio), kFlatRatio);
   set(Measure::aspect_ratio, positive, std::min(std::sqrt(6 * longest2) / 36 * area / s.volume, kFlatRatio),
       kFlatRatio);

@@ -5,13 +5,12 @@
 namespace tetune {
 
 template ResultOf<Instance, SweepSum> sweep<SweepRing<Instance>>(const Instance&, WorkMesh<Instance>&, const Criterion&,
-                                                                 const RingsView&, const Coloring<Instance>&,
-                                                                 VertexDofs<Instance>&, const NewtonStep&, SweepScope);
+                                                                 const MovableVertices<Instance>&, const NewtonStep&,
+                                                                 SweepScope);
 template ResultOf<Instance, SweepSum> sweep<SweepRing<Instance>>(const Instance&, WorkMesh<Instance>&, const Criterion&,
-                                                                 const RingsView&, const Coloring<Instance>&,
-                                                                 VertexDofs<Instance>&, const GradientStep&,
+                                                                 const MovableVertices<Instance>&, const GradientStep&,
                                                                  SweepScope);
 template ResultOf<Instance, SweepSum> sweep<RegularizedRing>(const Instance&, WorkMesh<Instance>&, const Criterion&,
-                                                             const RingsView&, const Coloring<Instance>&,
-                                                             VertexDofs<Instance>&, const NewtonStep&, SweepScope);
+                                                             const MovableVertices<Instance>&, const NewtonStep&,
+                                                             SweepScope);
 }  // namespace tetune

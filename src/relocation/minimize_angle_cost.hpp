@@ -3,11 +3,10 @@
 
 #include "backend/atomic.hpp"
 #include "boundary/sliding/deviation_bound.hpp"
-#include "boundary/vertex_dofs.hpp"
 #include "energy/criterion.hpp"
 #include "mesh/work_mesh.hpp"
 #include "relocation/angle_cost_ring.hpp"
-#include "relocation/coloring.hpp"
+#include "relocation/movable_vertices.hpp"
 #include "relocation/reduce_colors.hpp"
 
 namespace tetune {
@@ -111,16 +110,15 @@ struct MinimizeAngleCost : DofsView {
 /// moved.
 template <class Backend>
 ResultOf<Backend, Sum<Size>> minimize_angle_cost(const Backend& backend, WorkMesh<Backend>& mesh,
-                                                 const Criterion& criterion, const RingsView& rings,
-                                                 const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
+                                                 const Criterion& criterion, const MovableVertices<Backend>& vertices,
                                                  Span<const std::uint8_t> flags, double target_cost) {
   using namespace minimize_angle_cost_detail;
   const auto run = [&](auto slides) {
-    const MinimizeAngleCost<typename Backend::Pack, slides.value> kernel{dofs.view(), rated(mesh, criterion), rings,
-                                                                         flags, target_cost};
-    return reduce_colors<Sum<Size>>(backend, coloring, kernel);
+    const MinimizeAngleCost<typename Backend::Pack, slides.value> kernel{vertices.dofs.view(), rated(mesh, criterion),
+                                                                         vertices.rings, flags, target_cost};
+    return reduce_colors<Sum<Size>>(backend, vertices.coloring, kernel);
   };
-  return dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
+  return vertices.dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
 }
 
 }  // namespace tetune

@@ -130,23 +130,21 @@ struct OpenClass : ClassMove {
 /// One sweep over the classes with an active member, as sweep() over single vertices. Requires refresh_periodic().
 template <class Backend, class Step>
 ResultOf<Backend, SweepSum> sweep_periodic(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                           const RingsView& rings, PeriodicSet<Backend>& set, Span<std::uint8_t> active,
-                                           const Step& step, SweepScope scope) {
-  using Kernel = move_periodic_detail::RelocateClass<Step>;
-  return reduce_colors<SweepSum>(backend, set.coloring,
-                                 Kernel{{set.view(), mesh.points, rings}, criterion, step, scope, active});
+                                           const MovableClasses<Backend>& classes, const Step& step, SweepScope scope) {
+  const move_periodic_detail::RelocateClass<Step> kernel{
+      {classes.set.view(), mesh.points, classes.rings}, criterion, step, scope, classes.dofs.active.span()};
+  return reduce_colors<SweepSum>(backend, classes.set.coloring, kernel);
 }
 
 /// Moves the classes with a flagged member, as minimize_angle_cost() moves single vertices. Returns the pending number
 /// of vertices that moved.
 template <class Backend>
 ResultOf<Backend, Sum<Size>> minimize_periodic_cost(const Backend& backend, WorkMesh<Backend>& mesh,
-                                                    const Criterion& criterion, const RingsView& rings,
-                                                    PeriodicSet<Backend>& set, Span<const std::uint8_t> flags,
-                                                    double target_cost) {
+                                                    const Criterion& criterion, const MovableClasses<Backend>& classes,
+                                                    Span<const std::uint8_t> flags, double target_cost) {
   const move_periodic_detail::OpenClass kernel{
-      {set.view(), mesh.points, rings}, rated(mesh, criterion), flags, target_cost};
-  return reduce_colors<Sum<Size>>(backend, set.coloring, kernel);
+      {classes.set.view(), mesh.points, classes.rings}, rated(mesh, criterion), flags, target_cost};
+  return reduce_colors<Sum<Size>>(backend, classes.set.coloring, kernel);
 }
 
 }  // namespace tetune

@@ -32,7 +32,7 @@ struct PeriodicSet {
   Buffer<std::uint32_t> offsets;
   Buffer<LinkFace> faces;
   Buffer<Point> copies;
-  /// Of the classes: no two of one color share a tetrahedron.
+  /// The coloring of the classes: no two of one color share a tetrahedron.
   Coloring<Backend> coloring;
 
   Size classes() const { return space.size(); }
@@ -40,6 +40,14 @@ struct PeriodicSet {
     return {images.view(), std::as_const(space).span(), std::as_const(offsets).span(), std::as_const(faces).span(),
             copies.span()};
   }
+};
+
+/// The classes as relocation needs them. Their coloring is that of the set; `dofs` has the active vertices.
+template <class Backend>
+struct MovableClasses {
+  RingsView rings;  ///< of single vertices
+  PeriodicSet<Backend>& set;
+  VertexDofs<Backend>& dofs;
 };
 
 namespace periodic_set_detail {

@@ -54,8 +54,10 @@ template <class Backend>
 void build_rings(const Backend& backend, WorkMesh<Backend>& mesh, Rings<Backend>& rings) {
   using namespace rings_detail;
   const Span<const Tet> tets = mesh.tet2vertex;
-  build_csr_of<Backend, VertexOfTetCorner, FaceOfCorner, LinkFace>(backend, mesh.vertices(), 4 * mesh.slots(), {tets},
-                                                                   {tets}, rings.offsets, rings.faces, 4 * mesh.tets());
+  build_csr_of<Backend, VertexOfTetCorner, FaceOfCorner, LinkFace>(
+      backend,
+      {.rows = mesh.vertices(), .items = 4 * mesh.slots(), .row_of = {tets}, .make = {tets}, .listed = 4 * mesh.tets()},
+      rings.offsets, rings.faces);
 }
 
 /// Builds the rings of the flagged vertices alone; the others have empty ones. Requires that `tets` lists all
@@ -65,9 +67,12 @@ void build_rings_of(const Backend& backend, WorkMesh<Backend>& mesh, Span<const 
                     Span<const std::uint8_t> flags, Rings<Backend>& rings) {
   using namespace rings_detail;
   const Span<const Tet> tet2vertex = mesh.tet2vertex;
-  build_csr_of<Backend, FlaggedVertexOfCorner, FaceOfListedCorner, LinkFace>(
-      backend, mesh.vertices(), 4 * tets.size(), {tet2vertex, tets, flags}, {{tet2vertex}, tets}, rings.offsets,
-      rings.faces);
+  build_csr_of<Backend, FlaggedVertexOfCorner, FaceOfListedCorner, LinkFace>(backend,
+                                                                             {.rows = mesh.vertices(),
+                                                                              .items = 4 * tets.size(),
+                                                                              .row_of = {tet2vertex, tets, flags},
+                                                                              .make = {{tet2vertex}, tets}},
+                                                                             rings.offsets, rings.faces);
 }
 
 }  // namespace tetune

@@ -14,10 +14,9 @@ struct SlideResult {
 
 namespace slide_detail {
 
-/// The end of a path over the surface, and its length.
+/// A path over the surface.
 struct SurfacePath {
-  Vec3 position;
-  SurfacePoint surface_point;
+  SurfacePlace end;
   double length;
 };
 
@@ -58,80 +57,79 @@ struct NewtonSlide {
   static constexpr double kMaxRelaxation = 1.9;  ///< below 2 each trace step decreases the model
 
   template <class Ring, class Deviation>
-  TETUNE_HD SlideResult operator()(Ring& ring, Vec3 x, SurfacePoint surface_point, VertexDof dof,
-                                   const ReferenceView& ref, Deviation& deviation,
+  TETUNE_HD SlideResult operator()(Ring& ring, SurfacePlace at, const ReferenceView& ref, Deviation& deviation,
                                    const DisplacementBound& displacement_bound) const {
     SlideResult result;
     for (int repeat = 0; repeat < NewtonStep::kMaxRepeats; ++repeat) {
-      const RingModel m = ring.model(x);
-      const SurfaceElement first = steepest(ref, dof, surface_point, m.gradient);
+      const RingModel m = ring.model(at.position);
+      const SurfaceElement first = steepest(ref, at.dof, at.surface_point, m.gradient);
       if (repeat == 0) result.step.gradient2 = kTraceFactor * kTraceFactor * first.descent2;
       if (first.on.kind == SurfacePointKind::none) break;
-      const TangentVector p = slide_detail::newton_direction(ref, m.hessian, surface_point, first);
+      const TangentVector p = slide_detail::newton_direction(ref, m.hessian, at.surface_point, first);
       if (!(dot(first.negative_gradient, p) > min_gain * m.value)) break;
       const double length = std::sqrt(m.length2);
       double max_length = NewtonStep::kMaxSearch * length;
       double decrease = 0;
       for (int halving = 0; halving < step_detail::kMaxHalvings; ++halving) {
-        const slide_detail::SurfacePath path = trace(ref, dof, m, x, surface_point, first, p, max_length);
-        if (!displacement_bound.contains(path.position)) {
+        const slide_detail::SurfacePath path = trace(ref, m, at, first, p, max_length);
+        if (!displacement_bound.contains(path.end.position)) {
           max_length = 0.5 * path.length;
           if (max_length > DisplacementBound::kMinStep * length) continue;
           break;
         }
-        const RingValue v = ring.value(path.position);
-        if (v.certified && v.value < m.value && deviation.allows(path.position, path.surface_point)) {
+        const RingValue v = ring.value(path.end.position);
+        if (v.certified && v.value < m.value && deviation.allows(path.end.position, path.end.surface_point)) {
           decrease = m.value - v.value;
           result.step.relative_move += path.length / length;
-          x = path.position;
-          surface_point = path.surface_point;
+          at = path.end;
           break;
         }
         max_length = 0.5 * path.length;
         if (halving > 0) continue;
         // The distance to the first inversion is computed only after a failed step, as few steps fail.
-        const double before_inversion =
-            NewtonStep::kInversionFraction * ring.step_bound(x, first.frame.in_space(p)) * first.frame.length(p);
+        const double before_inversion = NewtonStep::kInversionFraction *
+                                        ring.step_bound(at.position, first.frame.in_space(p)) * first.frame.length(p);
         if (before_inversion < path.length) max_length = before_inversion;
       }
       if (decrease == 0) break;
       result.step.decrease += decrease;
       if (decrease < NewtonStep::kRepeatDecrease * m.value) break;
     }
-    result.step.position = x;
-    result.surface_point = surface_point;
+    result.step.position = at.position;
+    result.surface_point = at.surface_point;
     return result;
   }
 
  private:
-  /// Traces a path of descent of the model from x, of length `max_length` at most: first along p.
-  TETUNE_HD slide_detail::SurfacePath trace(const ReferenceView& ref, VertexDof dof, const RingModel& m, const Vec3& x,
-                                            const SurfacePoint& start, const SurfaceElement& first,
-                                            const TangentVector& p, double max_length) const {
-    slide_detail::SurfacePath path{x, start, 0};
-    double omega = trace_step(ref, dof, first, p, relaxation, max_length, path);
+  /// Traces a path of descent of the model around `start`, of length `max_length` at most: first along p.
+  TETUNE_HD slide_detail::SurfacePath trace(const ReferenceView& ref, const RingModel& m, const SurfacePlace& start,
+                                            const SurfaceElement& first, const TangentVector& p,
+                                            double max_length) const {
+    slide_detail::SurfacePath path{start, 0};
+    double omega = trace_step(ref, first, p, relaxation, max_length, path);
     for (int steps = 1; omega > 0 && steps < kMaxTraceSteps; ++steps) {
-      const SurfaceElement next = steepest(ref, dof, path.surface_point, m.gradient + m.hessian * (path.position - x));
+      const SurfacePlace& at = path.end;
+      const Vec3 gradient = m.gradient + m.hessian * (at.position - start.position);
+      const SurfaceElement next = steepest(ref, at.dof, at.surface_point, gradient);
       if (next.on.kind == SurfacePointKind::none) break;
-      omega = trace_step(ref, dof, next, slide_detail::newton_direction(ref, m.hessian, path.surface_point, next),
-                         omega, max_length, path);
+      omega = trace_step(ref, next, slide_detail::newton_direction(ref, m.hessian, at.surface_point, next), omega,
+                         max_length, path);
     }
     return path;
   }
 
   /// Extends the path by omega p, to the boundary of the element or to `max_length` at most; returns the relaxation for
   /// the next step, or 0 at the end of the path.
-  TETUNE_HD double trace_step(const ReferenceView& ref, VertexDof dof, const SurfaceElement& element,
-                              const TangentVector& p, double omega, double max_length,
-                              slide_detail::SurfacePath& path) const {
+  TETUNE_HD double trace_step(const ReferenceView& ref, const SurfaceElement& element, const TangentVector& p,
+                              double omega, double max_length, slide_detail::SurfacePath& path) const {
     const double speed = element.frame.length(p);
     const double left = max_length - path.length;
     if (!(left > 0)) return 0;
     double t = omega;
     if (omega * speed > left) t = left / speed;
-    const TraceResult end = advance(ref, dof, element, path.surface_point, path.position, p, t);
-    path.position = end.position;
-    path.surface_point = end.surface_point;
+    const TraceResult end = advance(ref, path.end, element, p, t);
+    path.end.position = end.position;
+    path.end.surface_point = end.surface_point;
     path.length += end.t * speed;
     // Beyond the minimum of the model no direction of descent leads on.
     if (!end.at_boundary || !(end.t < 1)) return 0;
@@ -146,14 +144,14 @@ struct GradientSlide {
   double min_gradient;  ///< the paper's eps_g, on the norm of grad tr
 
   template <class Ring, class Deviation>
-  TETUNE_HD SlideResult operator()(Ring& ring, const Vec3& x, const SurfacePoint& surface_point, VertexDof dof,
-                                   const ReferenceView& ref, Deviation& deviation,
-                                   const DisplacementBound& displacement_bound) const {
+  TETUNE_HD SlideResult operator()(Ring& ring, const SurfacePlace& start, const ReferenceView& ref,
+                                   Deviation& deviation, const DisplacementBound& displacement_bound) const {
+    const Vec3& x = start.position;
     SlideResult result;
     result.step.position = x;
-    result.surface_point = surface_point;
+    result.surface_point = start.surface_point;
     const RingModel m = ring.model(x);
-    const SurfaceElement element = steepest(ref, dof, surface_point, m.gradient);
+    const SurfaceElement element = steepest(ref, start.dof, start.surface_point, m.gradient);
     const double slope = std::sqrt(element.descent2);
     result.step.gradient2 = kTraceFactor * kTraceFactor * element.descent2;
     if (element.on.kind == SurfacePointKind::none || !(kTraceFactor * slope >= min_gradient)) return result;
@@ -162,14 +160,14 @@ struct GradientSlide {
     const double length = std::sqrt(m.length2);
     double lambda = GradientStep::kInversionFraction * ring.step_bound(x, p);
     if (!(lambda < NewtonStep::kMaxSearch * length)) lambda = NewtonStep::kMaxSearch * length;
-    lambda = advance(ref, dof, element, surface_point, x, direction, lambda).t;
+    lambda = advance(ref, start, element, direction, lambda).t;
     for (int halving = 0; halving < step_detail::kMaxHalvings && !ring.value(x + lambda * p).certified; ++halving)
       lambda *= 0.5;
     double alpha = brent_minimum(ring.ray(x, p), 0, lambda);
     // Brent's method never returns the end of its interval.
     if (alpha > (1 - kEndTolerance) * lambda) alpha = lambda;
     for (int halving = 0; halving < step_detail::kMaxHalvings; ++halving, alpha *= 0.5) {
-      const TraceResult end = advance(ref, dof, element, surface_point, x, direction, alpha);
+      const TraceResult end = advance(ref, start, element, direction, alpha);
       if (!displacement_bound.contains(end.position)) continue;
       const RingValue v = ring.value(end.position);
       if (v.certified && v.value < m.value && deviation.allows(end.position, end.surface_point)) {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "boundary/vertex_dofs.hpp"
 #include "energy/criterion.hpp"
 #include "energy/regularized_ring.hpp"
 #include "energy/ring_of.hpp"
 #include "mesh/work_mesh.hpp"
-#include "relocation/coloring.hpp"
-#include "relocation/rings.hpp"
+#include "relocation/movable_vertices.hpp"
 #include "relocation/step.hpp"
 
 namespace tetune {
@@ -43,7 +41,7 @@ using SweepRing = typename RingOf<typename Backend::Pack>::type;
 /// SweepSum.
 template <class Ring, class Backend, class Step>
 ResultOf<Backend, SweepSum> sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                  const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                                  const Step& step, SweepScope scope = SweepScope::mesh);
+                                  const MovableVertices<Backend>& vertices, const Step& step,
+                                  SweepScope scope = SweepScope::mesh);
 
 }  // namespace tetune

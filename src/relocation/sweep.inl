@@ -121,8 +121,8 @@ struct RelocateVertex : DofsView {
   TETUNE_HD __attribute__((noinline)) StepResult slide(const Vec3& x, AnyRing& ring, const Team& team, Index v,
                                                        const DisplacementBound& displacement) const {
     DeviationBound<Pack> deviation = deviation_bound<Pack>(*this, team, v);
-    const SlideResult slid =
-        slide_of(step)(ring, x, read_once(team, surface_point[v]), dof[v], reference, deviation, displacement);
+    const SurfacePlace start{x, read_once(team, surface_point[v]), dof[v]};
+    const SlideResult slid = slide_of(step)(ring, start, reference, deviation, displacement);
     if (team.rank() == 0 && slid.step.decrease > 0) {
       surface_point[v] = slid.surface_point;
       deviation.store(checked, v);
@@ -135,16 +135,16 @@ struct RelocateVertex : DofsView {
 
 template <class Ring, class Backend, class Step>
 ResultOf<Backend, SweepSum> sweep(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                  const RingsView& rings, const Coloring<Backend>& coloring, VertexDofs<Backend>& dofs,
-                                  const Step& step, SweepScope scope) {
+                                  const MovableVertices<Backend>& vertices, const Step& step, SweepScope scope) {
   using namespace sweep_detail;
-  DofsView view = dofs.view();
+  DofsView view = vertices.dofs.view();
   if (scope == SweepScope::selection) view.displacement_bound = {};
   const auto run = [&](auto slides) {
     using Kernel = RelocateVertex<Ring, typename Backend::Pack, Step, slides.value>;
-    return reduce_colors<SweepSum>(backend, coloring, Kernel{view, criterion, mesh.points, rings, step, scope});
+    return reduce_colors<SweepSum>(backend, vertices.coloring,
+                                   Kernel{view, criterion, mesh.points, vertices.rings, step, scope});
   };
-  return dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
+  return vertices.dofs.surface_point.size() > 0 ? run(std::true_type()) : run(std::false_type());
 }
 
 }  // namespace tetune

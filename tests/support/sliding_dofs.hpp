@@ -51,7 +51,8 @@ struct Sliding {
     backend::Cpu::Buffer<VertexConstraint> constraints;
     constraints.upload(cpu, std::vector<VertexConstraint>(mesh.points.size(), VertexConstraint::none));
     backend::Cpu::Buffer<VertexDof> buffer(cpu, work.vertices());
-    build_reference(cpu, work, surface, none, constraints.span(), feature_angle, buffer.span(), reference);
+    build_reference(cpu, work, ConstrainedSurface<backend::Cpu>{surface, none, constraints.span()}, feature_angle,
+                    buffer.span(), reference);
     dof = buffer.download();
   }
 };

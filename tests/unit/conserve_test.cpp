@@ -47,7 +47,7 @@ TEST(TetOverlap, AgreesWithSampling) {
   for (int i = 0; i < 60; ++i) {
     const TetPoints a = random_tet();
     const TetPoints b = random_tet();
-    const TetOverlap common = overlap(TetFrame(a), TetFrame(b), true);
+    const TetOverlap common = overlap(TetFrame(a), TetFrame(b), Moments::computed);
     TetOverlap sampled;
     for (int s = 0; s < kSamples; ++s) {
       std::array<double, 4> w{};
@@ -72,8 +72,9 @@ TEST(TetOverlap, AgreesWithSampling) {
     }
     EXPECT_NEAR(sum, common.part, 1e-12);
     const double volumes = std::fabs(six_volume(b) / six_volume(a));
-    EXPECT_NEAR(overlap(TetFrame(b), TetFrame(a), false).part * volumes, common.part, 1e-12) << "from either side";
-    EXPECT_NEAR(overlap(TetFrame(a), TetFrame(a), false).part, 1, 1e-12);
+    EXPECT_NEAR(overlap(TetFrame(b), TetFrame(a), Moments::omitted).part * volumes, common.part, 1e-12)
+        << "from either side";
+    EXPECT_NEAR(overlap(TetFrame(a), TetFrame(a), Moments::omitted).part, 1, 1e-12);
   }
 }
 

@@ -56,7 +56,7 @@ struct SlidSurface {
     for (int step = 0; step < 4; ++step) {
       const SurfaceElement p = steepest(s.view(), s.dof[i], at.surface_point, random_vec(random));
       if (p.on.kind == SurfacePointKind::none) continue;
-      at = advance(s.view(), s.dof[i], p, at.surface_point, at.position, (1 / norm(descent(p))) * p.descent,
+      at = advance(s.view(), {at.position, at.surface_point, s.dof[i]}, p, (1 / norm(descent(p))) * p.descent,
                    far * uniform(random));
     }
     return at;

@@ -17,7 +17,7 @@ using backend::Cpu;
 /// The optimizer of a mesh under Effort::best, with its energies.
 struct OptimizerOfMesh {
   explicit OptimizerOfMesh(const TetMesh& mesh) {
-    import_mesh(backend, mesh, options, nullptr, true, set, report);
+    import_mesh(backend, ImportInput{mesh, options}, set, report);
     optimizer.sum_energy(kShapeObjective);
   }
 

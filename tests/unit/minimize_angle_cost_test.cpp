@@ -23,7 +23,7 @@ TEST(MinimizeAngleCost, MovesFlaggedVerticesAloneAndNoAngleBecomesSmaller) {
   for (std::size_t v = 0; v < flags.size(); v += 2) flags[v] = 1;
   backend::Cpu::Buffer<std::uint8_t> buffer;
   buffer.upload(cpu, flags);
-  const Size moved = minimize_angle_cost(cpu, work.mesh, work.criterion, rings.view(), coloring, work.dofs,
+  const Size moved = minimize_angle_cost(cpu, work.mesh, work.criterion, {rings.view(), coloring, work.dofs},
                                          Span<const std::uint8_t>(buffer.span()), 0.5)
                          .get()
                          .value;

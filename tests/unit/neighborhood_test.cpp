@@ -27,7 +27,7 @@ HostWork imported(const TetMesh& mesh, Boundary boundary, double max_deviation =
   options.boundary = boundary;
   WorkingSet<Cpu> work;
   Report report;
-  import_mesh(backend, mesh, options, nullptr, true, work, report);
+  import_mesh(backend, ImportInput{mesh, options}, work, report);
   return HostWork(work);
 }
 
@@ -226,7 +226,7 @@ Restarted restart(const TetMesh& mesh, Boundary boundary, double max_deviation =
   const Cpu backend(1);
   WorkingSet<Cpu> whole;
   Report report;
-  import_mesh(backend, mesh, options, nullptr, true, whole, report);
+  import_mesh(backend, ImportInput{mesh, options}, whole, report);
   BufferOf<Cpu, double> buffer;
   refresh_energy(backend, whole.mesh, {kShapeObjective}, buffer);
   const Span<const double> energies = buffer.span();

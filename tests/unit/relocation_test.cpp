@@ -6,6 +6,7 @@
 #include "math/brent.hpp"
 #include "mesh/connect.hpp"
 #include "relocation/coloring.hpp"
+#include "relocation/rings.hpp"
 #include "relocation/step.hpp"
 #include "relocation/sweep.hpp"
 #include "support/meshes.hpp"

@@ -58,8 +58,7 @@ struct RetriangulationWork {
       if (mesh.view().alive(t) && dihedral_cots(mesh.view(), t).max > cot) around.push_back(static_cast<Index>(t));
     }
     refresh_energy(backend::Cpu(1), mesh, criterion, flips.energies);
-    BoundaryTriangles<backend::Cpu>* const no_surface = nullptr;
-    return retriangulate_worst(backend::Cpu(threads), mesh, criterion, flips, dofs, no_surface,
+    return retriangulate_worst(backend::Cpu(threads), EditableMesh<backend::Cpu>{mesh, flips, dofs}, criterion,
                                {around.data(), static_cast<Size>(around.size())}, {most_tets, vertex_cot, 0.02});
   }
 };

@@ -85,9 +85,9 @@ std::array<double, 2> lower_mean(Work& work, Size max_tets, RetriangulationRepor
   std::vector<Index> all(static_cast<std::size_t>(work.mesh.slots()));
   for (std::size_t t = 0; t < all.size(); ++t) all[t] = static_cast<Index>(t);
   const double before = mean();
-  BoundaryTriangles<backend::Cpu>* const no_surface = nullptr;
-  report = retriangulate_worst(backend::Cpu(1), work.mesh, work.criterion, work.flips, work.dofs, no_surface,
-                               {all.data(), work.mesh.slots()}, {max_tets, kInfeasible, 1e-3, before});
+  const EditableMesh<backend::Cpu> editable{work.mesh, work.flips, work.dofs};
+  report = retriangulate_worst(backend::Cpu(1), editable, work.criterion, {all.data(), work.mesh.slots()},
+                               {max_tets, kInfeasible, 1e-3, before});
   return {before, mean()};
 }
 

@@ -73,7 +73,8 @@ struct Slider {
     const ReferenceView ref = surface.view();
     DeviationBound<backend::Cpu::Pack> no_bound({ref, {}, {}, 0, 0}, {});
     const double before = bowl.value(x).value;
-    const SlideResult r = step(bowl, x, surface_point, dof, surface.view(), no_bound, DisplacementBound{});
+    const SlideResult r =
+        step(bowl, SurfacePlace{x, surface_point, dof}, surface.view(), no_bound, DisplacementBound{});
     EXPECT_NEAR(r.step.decrease, before - bowl.value(r.step.position).value, 1e-12);
     EXPECT_GE(r.step.decrease, 0);
     if (r.step.decrease == 0) return false;

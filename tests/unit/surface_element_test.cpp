@@ -185,7 +185,7 @@ TEST(Advance, EndsInsideOrOnAnEdgeOrVertex) {
     return TangentVector{f.inverse_u2 * dot(f.u, p), f.inverse_v2 * dot(f.v, p)};
   };
   const auto move = [&](const Vec3& p, double t) {
-    return advance(ref, VertexDof::surface, element, inside, y, tangent(p), t);
+    return advance(ref, {y, inside, VertexDof::surface}, element, tangent(p), t);
   };
 
   const TraceResult within = move({0.1, 0, 0}, 1);
@@ -215,7 +215,7 @@ TEST(Advance, EndsInsideOrOnAnEdgeOrVertex) {
   // A vertex with other degrees of freedom is not reached either.
   s.dof[5] = VertexDof::fixed;
   const TraceResult at_corner =
-      advance(s.view(), VertexDof::surface, element, inside, y, tangent(vec(s.points[5]) - y), 100);
+      advance(s.view(), {y, inside, VertexDof::surface}, element, tangent(vec(s.points[5]) - y), 100);
   EXPECT_EQ(at_corner.surface_point.kind, SurfacePointKind::triangle);
   EXPECT_NEAR(at_corner.t, kStandoff, 1e-9);
 }
@@ -227,15 +227,15 @@ TEST(Advance, AlongALineStopsAtItsVerticesAndBeforeItsCorner) {
   const SurfacePoint start{SurfacePointKind::vertex, 1};
   const TangentVector p{0.5, 0};  // the segment has length 2
   const SurfaceElement segment(s.view(), {SurfacePointKind::segment, 2 * 1 + 1}, {});
-  const TraceResult inside = advance(s.view(), VertexDof::curve, segment, start, {1, 0, 0}, p, 0.5);
+  const TraceResult inside = advance(s.view(), {{1, 0, 0}, start, VertexDof::curve}, segment, p, 0.5);
   EXPECT_EQ(inside.surface_point.kind, SurfacePointKind::segment);
   EXPECT_EQ(inside.position.y, 0.5);
-  const TraceResult at_corner = advance(s.view(), VertexDof::curve, segment, start, {1, 0, 0}, p, 50);
+  const TraceResult at_corner = advance(s.view(), {{1, 0, 0}, start, VertexDof::curve}, segment, p, 50);
   EXPECT_EQ(at_corner.surface_point.kind, SurfacePointKind::segment);
   EXPECT_FALSE(at_corner.at_boundary);
   EXPECT_NEAR(at_corner.position.y, 2 * kStandoff, 1e-15);
   const TraceResult back =
-      advance(s.view(), VertexDof::curve, segment, inside.surface_point, inside.position, {-0.5, 0}, 50);
+      advance(s.view(), {inside.position, inside.surface_point, VertexDof::curve}, segment, {-0.5, 0}, 50);
   EXPECT_EQ(back.surface_point.kind, SurfacePointKind::vertex);
   EXPECT_EQ(back.surface_point.item, 1);
   EXPECT_TRUE(back.at_boundary);

@@ -95,7 +95,7 @@ TEST(SlidingVertices, AFaceThatIsTurnedOverIsFound) {
   WorkingSet<backend::Cpu> work;
   Report report;
   work.scale = 1;
-  import_mesh(cpu, mesh, options, nullptr, true, work, report);
+  import_mesh(cpu, ImportInput{mesh, options}, work, report);
   const std::vector<VertexDof> dofs = work.dofs.dof.download();
   const ReferenceView surface = work.dofs.reference.view();
   const Index v =

@@ -267,11 +267,11 @@ struct ClassifySlidingVertex {
 /// Feature edges are those where the surface turns by more than `feature_angle` degrees (180: none), unless they are in
 /// a weak line (find_weak_lines()), borders between tags, edges not on two triangles, and the constrained edges.
 template <class Backend>
-void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surface<Backend>& surface,
-                     const EdgeSet<Backend>& constrained, Span<const VertexConstraint> constraints,
+void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const ConstrainedSurface<Backend>& constrained,
                      double feature_angle, Span<VertexDof> dof, ReferenceSurface<Backend>& reference) {
   using namespace features_detail;
-  const Span<const Index> edges = constrained.ends.span();
+  const Surface<Backend>& surface = constrained.surface;
+  const Span<const Index> edges = constrained.edges.ends.span();
   const Size vertices = mesh.vertices();
   const Size triangles = surface.triangles.size();
   reference.points.assign(backend, mesh.points);
@@ -282,8 +282,8 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   const double cos_angle = cosine_of_turn(feature_angle);
   BufferOf<Backend, Index> opposite_corners(backend, 3 * triangles);
   find_across(backend, reference.triangles.span(), reference.vertex2corner.view(), opposite_corners.span());
-  const SurfaceFolds folds{mesh.points,      reference.triangles, surface.tags,
-                           opposite_corners, constrained.view(),  cos_angle};
+  const SurfaceFolds folds{mesh.points,      reference.triangles,      surface.tags,
+                           opposite_corners, constrained.edges.view(), cos_angle};
   backend.for_each(3 * triangles, CutAtFeatures{folds, reference.across});
   BufferOf<Backend, std::uint8_t> on_weak_line(backend, vertices);
   backend.fill(on_weak_line.span(), std::uint8_t{0});
@@ -291,9 +291,10 @@ void build_reference(const Backend& backend, WorkMesh<Backend>& mesh, const Surf
   Csr<Backend> vertex2edge_end;
   build_csr(backend, vertices, edges.size(), VertexOfEdgeEnd{edges}, vertex2edge_end, edges.size());
   reference.line.resize(backend, vertices);
-  backend.for_each(vertices, ClassifySlidingVertex{mesh.points, reference.triangles, reference.across,
-                                                   reference.vertex2corner.view(), edges, vertex2edge_end.view(),
-                                                   constraints, on_weak_line.span(), cos_angle, dof, reference.line});
+  backend.for_each(vertices,
+                   ClassifySlidingVertex{mesh.points, reference.triangles, reference.across,
+                                         reference.vertex2corner.view(), edges, vertex2edge_end.view(),
+                                         constrained.vertices, on_weak_line.span(), cos_angle, dof, reference.line});
 }
 
 }  // namespace tetune

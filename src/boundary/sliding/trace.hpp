@@ -11,6 +11,13 @@ inline constexpr double kSnap = 1e-9;
 /// The part of the way to a feature after which a vertex stops that must not step on it.
 inline constexpr double kStandoff = 0.99;
 
+/// A place on the reference surface, and where the vertex that is there may go.
+struct SurfacePlace {
+  Vec3 position;
+  SurfacePoint surface_point;
+  VertexDof dof;
+};
+
 /// The end of a step along a surface element.
 struct TraceResult {
   Vec3 position;
@@ -79,22 +86,24 @@ TETUNE_HD inline Vec3 on_boundary(const ReferenceView& ref, Index triangle, cons
 
 }  // namespace trace_detail
 
-/// Moves from y, which is at `from`, by t p along a surface element, at most to its boundary, and identifies the
-/// surface point there (Alg. 4). The position is computed from coordinates on the element, so that rounding errors do
-/// not add up over many steps.
-TETUNE_HD TETUNE_OUTLINE inline TraceResult advance(const ReferenceView& ref, VertexDof dof,
-                                                    const SurfaceElement& element, const SurfacePoint& from,
-                                                    const Vec3& y, const TangentVector& p, double t) {
+/// Moves by t p along a surface element, at most to its boundary, and identifies the surface point there (Alg. 4). The
+/// position is computed from coordinates on the element, so that rounding errors do not add up over many steps.
+TETUNE_HD TETUNE_OUTLINE inline TraceResult advance(const ReferenceView& ref, const SurfacePlace& from,
+                                                    const SurfaceElement& element, const TangentVector& p, double t) {
   const Frame& frame = element.frame;
-  if (element.on.kind != SurfacePointKind::triangle) return trace_detail::advance_on_edge(ref, dof, element, y, p.u, t);
-  Vec3 l = frame.coordinates(y);
+  if (element.on.kind != SurfacePointKind::triangle) {
+    return trace_detail::advance_on_edge(ref, from.dof, element, from.position, p.u, t);
+  }
+  Vec3 l = frame.coordinates(from.position);
   l = {l.x < 0 ? 0 : l.x, l.y < 0 ? 0 : l.y, l.z < 0 ? 0 : l.z};
-  if (from.kind != SurfacePointKind::triangle) l = trace_detail::on_boundary(ref, element.on.item, from, l);
+  if (from.surface_point.kind != SurfacePointKind::triangle) {
+    l = trace_detail::on_boundary(ref, element.on.item, from.surface_point, l);
+  }
   const Vec3 rates = frame.rates(p);
   // Most steps end inside the element: these take no division.
   const Vec3 end = l + t * rates;
   if (end.x > kSnap && end.y > kSnap && end.z > kSnap) return {frame.at(end), element.on, t, false};
-  return trace_detail::advance_to_boundary(ref, dof, element, l, rates, t);
+  return trace_detail::advance_to_boundary(ref, from.dof, element, l, rates, t);
 }
 
 /// The end of a step from x, at surface point `on`: its projection onto the element that it descends into, at most to
@@ -103,7 +112,7 @@ TETUNE_HD TETUNE_OUTLINE inline TraceResult project_step(const ReferenceView& re
                                                          const SurfacePoint& on, const Vec3& x, const Vec3& step) {
   const SurfaceElement element = steepest(ref, dof, on, -1.0 * step);
   if (element.on.kind == SurfacePointKind::none) return {x, on, 0, false};
-  return advance(ref, dof, element, on, x, element.descent, 1);
+  return advance(ref, {x, on, dof}, element, element.descent, 1);
 }
 
 /// Moves over the surface, from `from` at surface point `on`, while that leads closer to a target, over at most

@@ -93,7 +93,7 @@ class VertexDeviation : DeviationInput {
   /// A distance from a plane that is no more than this part of the bound is a rounding error.
   static constexpr double kFlatShare = 1e-6;
 
-  /// What a move does to the triangles at the vertex.
+  /// The effect of a move on the triangles at the vertex.
   enum class FanChange {
     none,  ///< the triangles cover the same points, as the vertex stays in the plane of each of them
     shape,

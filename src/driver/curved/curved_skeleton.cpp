@@ -254,17 +254,22 @@ void CurvedSkeleton::restore_curved_edges(const Report& report) {
   add(mesh.tets);
   add(mesh.triangles);
   add(mesh.edges);
-  const auto restore_if = [&](const CurvedEdge& edge, bool unmoved_only) {
-    const auto& [a, b] = edge.vertices;
-    const Edge now{span_of(old2new)[a], span_of(old2new)[b]};
-    if (now[0] < 0 || now[1] < 0 || !edges.contains(now)) return;
-    const auto moved = [&](Index from, Index to) { return span_of(whole_.points)[from] != span_of(mesh.points)[to]; };
-    if (unmoved_only && (moved(a, now[0]) || moved(b, now[1]))) return;
-    mesh.curved_edges.push_back({now, edge.middle});
+  const auto vertices_now = [&](const CurvedEdge& edge) {
+    return Edge{span_of(old2new)[edge.vertices[0]], span_of(old2new)[edge.vertices[1]]};
+  };
+  const auto has_moved = [&](Index from, Index to) {
+    return to >= 0 && span_of(whole_.points)[from] != span_of(mesh.points)[to];
+  };
+  const auto restore = [&](const CurvedEdge& edge) {
+    const Edge now = vertices_now(edge);
+    if (now[0] >= 0 && now[1] >= 0 && edges.contains(now)) mesh.curved_edges.push_back({now, edge.middle});
   };
   mesh.curved_edges.clear();
-  for (const CurvedEdge& edge : kept_) restore_if(edge, false);
-  for (const CurvedEdge& edge : kept_unmoved_) restore_if(edge, true);
+  for (const CurvedEdge& edge : kept_) restore(edge);
+  for (const CurvedEdge& edge : kept_unmoved_) {
+    const Edge now = vertices_now(edge);
+    if (!has_moved(edge.vertices[0], now[0]) && !has_moved(edge.vertices[1], now[1])) restore(edge);
+  }
   // Vertices keep their order.
   std::sort(mesh.curved_edges.begin(), mesh.curved_edges.end(), is_before);
 }

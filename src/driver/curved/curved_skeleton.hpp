@@ -14,8 +14,8 @@ class CurvedSlide;
 /// The vertices and edges of the boundary, of interfaces, of listed entities and of what the options freeze.
 HeldNodes find_held(const TetMesh& mesh, const Options& options);
 
-/// Those of the listed tetrahedra that have a flat, folded face on the surface: its own Jacobian determinant is not
-/// positive at a corner. That of the element is then 0 somewhere on the face, wherever the inner nodes are.
+/// The listed tetrahedra that have a flat, folded face on the surface: its own Jacobian determinant is not positive at
+/// a corner. That of the element is then 0 somewhere on the face, wherever the inner nodes are.
 std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index>& tets);
 
 /// The tetrahedra whose straight volume is not certified positive, or with a smaller dihedral angle, in degrees.
@@ -53,7 +53,7 @@ class CurvedSkeleton {
   const HeldNodes& held_;
   const CurvedSlide* slide_;
   std::vector<CurvedEdge> kept_;  ///< curved edges that stay edges
-  /// Of the surface that slides, or straight up to rounding: kept where both ends stay.
+  /// Curved edges of the surface that slides, or straight up to rounding: they are kept where both ends stay.
   std::vector<CurvedEdge> kept_unmoved_;
 };
 

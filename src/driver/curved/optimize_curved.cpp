@@ -104,7 +104,7 @@ class CurvedOptimizer {
     report.targets = report_curved_targets(result, caller_, report.vertex2original);
   }
 
-  /// Of the straight tetrahedra.
+  /// The energy of the straight tetrahedra.
   double energy_of(const TetMesh& mesh) const {
     const Quality q = quality(mesh, options_.threads);
     return options_.energy == Energy::harmonic ? q.eta_sum : q.shape_sum;
@@ -180,7 +180,8 @@ class CurvedOptimizer {
     held_ = find_held(base_, options_);
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
-    std::optional<Report> further = run_stage(slid, true, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
+    std::optional<Report> further =
+        run_stage(slid, /*slides=*/true, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
     if (!further) return;
     if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) {
       counts_input_ = false;
@@ -200,7 +201,7 @@ class CurvedOptimizer {
 
   /// Untangles the curved elements of the input with Options::untangle; else refuses them.
   void make_base_valid() {
-    const std::vector<Index> invalid = find_invalid(base_);
+    const std::vector<Index> invalid = find_invalid(base_, options_.threads);
     if (invalid.empty()) return;
     if (!options_.untangle) throw CurvedError(invalid, TetMeshView(base_).centroid(invalid[0]));
     // The straight tetrahedra have to stay positive; their angles are improved afterwards.
@@ -209,12 +210,12 @@ class CurvedOptimizer {
     goal.only_valid = true;
     split_hopeless(invalid);
     relax_curved(base_, held_, find_relaxable(), goal);
-    const std::vector<Index> rest = find_invalid(base_);
+    const std::vector<Index> rest = find_invalid(base_, options_.threads);
     if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
     split_invalid(goal);
     if (options_.straighten) extend_options();
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
-    const std::vector<Index> left = find_invalid(base_);
+    const std::vector<Index> left = find_invalid(base_, options_.threads);
     if (left.empty() && may_insert()) split_bounded(base_, held_, origins_, goal, max_tets_);
     extend_options();
     if (!left.empty()) refuse(std::ssize(invalid), left);
@@ -235,7 +236,7 @@ class CurvedOptimizer {
 
   /// Elements that are not valid; those with a folded face only where all are to be counted.
   std::vector<Index> find_relaxable() const {
-    std::vector<Index> tets = find_invalid(base_);
+    std::vector<Index> tets = find_invalid(base_, options_.threads);
     if (!options_.straighten) return tets;
     const std::vector<Index> folded = with_folded_face(base_, tets);
     erase_listed(tets, folded);
@@ -249,7 +250,7 @@ class CurvedOptimizer {
   /// Inserts vertices into elements that are not valid, except where a folded face makes that useless.
   void split_invalid(const RelaxationGoal& goal) {
     for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
-      std::vector<Index> left = find_invalid(base_);
+      std::vector<Index> left = find_invalid(base_, options_.threads);
       const std::vector<Index> folded = with_folded_face(base_, left);
       erase_listed(left, folded);
       if (left.empty()) break;
@@ -277,7 +278,6 @@ class CurvedOptimizer {
   bool is_stopped() const { return context_.stop && context_.stop(); }
 
   std::vector<CurvedTet> measure(const TetMesh& mesh) const { return measure_curved_tets(mesh, options_.threads); }
-  std::vector<Index> find_invalid(const TetMesh& mesh) const { return not_valid(measure(mesh)); }
   double smallest(const TetMesh& mesh) const {
     double least = 1;
     for (const CurvedTet& t : measure(mesh)) least = std::min(least, t.scaled_jacobian());
@@ -319,7 +319,7 @@ class CurvedOptimizer {
     trial.point_data = carry_point_data(base_.point_data, origins.vertices, trial.points, trial.tets);
     relax_curved(trial, held, not_valid_or_below(measure(trial), kRelaxBelow), goal_);
     const bool keeps_angle = quality(trial, options_.threads).dihedral_min >= goal_.min_dihedral;
-    if (!keeps_angle || !find_invalid(trial).empty() || smallest(trial) < smallest(mesh)) return;
+    if (!keeps_angle || !find_invalid(trial, options_.threads).empty() || smallest(trial) < smallest(mesh)) return;
     mesh = std::move(trial);
     report.tet2original = std::move(origins.tets);
     report.vertex2original = std::move(origins.vertices);

@@ -29,18 +29,14 @@ class Splitter {
   }
 
  private:
-  std::vector<Index> find_invalid(const TetMesh& mesh) const {
-    return not_valid(measure_curved_tets(mesh, goal_.threads));
-  }
-
   void split(const std::vector<Index>& tets) {
     TetMesh trial = mesh_;
     HeldNodes held = held_;
     Origins step = own_origins(mesh_);
     const std::vector<Index> around = split_edges(trial, held, tets, max_tets_, step);
     held.vertices.resize(trial.points.size(), 0);
-    relax_curved(trial, held, find_invalid(trial), goal_);
-    const std::vector<Index> invalid = find_invalid(trial);
+    relax_curved(trial, held, find_invalid(trial, goal_.threads), goal_);
+    const std::vector<Index> invalid = find_invalid(trial, goal_.threads);
     if (!around.empty() && invalid.empty()) {
       mesh_ = std::move(trial);
       held_ = std::move(held);

@@ -23,9 +23,7 @@ constexpr int kBisectedRounds = 3;
 constexpr int kMaxBlendRounds = 40;
 
 Point3 midpoint(const TetMesh& mesh, const Edge& edge) {
-  const Point3& p = span_of(mesh.points)[edge[0]];
-  const Point3& q = span_of(mesh.points)[edge[1]];
-  return {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2};
+  return tetune::midpoint(span_of(mesh.points)[edge[0]], span_of(mesh.points)[edge[1]]);
 }
 
 template <class F>
@@ -68,7 +66,7 @@ class Straightener {
 
   std::vector<StraightenedEdge> run() {
     for (int round = 0; round < kMaxBlendRounds; ++round) {
-      const std::vector<Index> bad = find_invalid(mesh_);
+      const std::vector<Index> bad = find_invalid(mesh_, goal_.threads);
       const std::set<Edge> edges = edges_of(mesh_, bad);
       if (std::none_of(edges.begin(), edges.end(), [this](const Edge& e) { return surface_.has(e); })) break;
       if (round < kBisectedRounds) {
@@ -87,10 +85,6 @@ class Straightener {
     std::vector<Index> tets;
     double valid = 0, invalid = 1;  ///< parts of the curvature
   };
-
-  std::vector<Index> find_invalid(const TetMesh& mesh) const {
-    return not_valid(measure_curved_tets(mesh, goal_.threads));
-  }
 
   /// Groups tetrahedra, and lists the group of each of their edges on the surface.
   std::vector<Group> find_groups(const std::vector<Index>& tets, std::map<Edge, std::size_t>& edge2group) const {
@@ -129,12 +123,12 @@ class Straightener {
         }
       };
       // Relaxation of an element with a folded face takes long and fails.
-      std::vector<Index> invalid = find_invalid(trial);
+      std::vector<Index> invalid = find_invalid(trial, goal_.threads);
       const std::vector<Index> folded = with_folded_face(trial, invalid);
       fail(folded);
       erase_listed(invalid, folded);
       relax_curved(trial, held_, invalid, goal_);
-      fail(find_invalid(trial));
+      fail(find_invalid(trial, goal_.threads));
       for (std::size_t i = 0; i < groups.size(); ++i) {
         Group& g = groups[i];
         (failed.contains(i) ? g.invalid : g.valid) = (g.valid + g.invalid) / 2;
@@ -143,7 +137,7 @@ class Straightener {
     for (const Group& g : groups) {
       if (!g.tets.empty()) surface_.reduce(mesh_, held_, g.tets, g.valid);
     }
-    relax_curved(mesh_, held_, find_invalid(mesh_), goal_);
+    relax_curved(mesh_, held_, find_invalid(mesh_, goal_.threads), goal_);
   }
 
   /// Gives each edge as much of its curvature back as leaves the elements around it valid without relaxation: those of

@@ -41,9 +41,11 @@ class PatchTags {
   std::vector<Key> tags_;
 };
 
-/// Flags the vertices that the caller or the mesh holds; without those that only elements of one vertex hold, unless
-/// `with_points`. Requires options that check_frozen_vertices() accepts.
-inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options, bool with_points = true) {
+/// Whether elements of one vertex hold it.
+enum class PointElements : std::uint8_t { hold, do_not_hold };
+
+/// Flags the vertices that the caller or the mesh holds. Requires options that check_frozen_vertices() accepts.
+inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Options& options, PointElements points) {
   std::vector<std::uint8_t> held = options.frozen_vertices;
   held.resize(mesh.points.size(), 0);
   const auto hold = [&](const auto& vertices) {
@@ -63,7 +65,7 @@ inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Optio
     if (has(options.frozen_regions, span_of(mesh.tet_tags)[t])) hold(span_of(mesh.tets)[t]);
   }
   for (const ElementBlock& block : mesh.others) {
-    if (with_points || block.kind != kPoints) hold(block.element2vertex);
+    if (points == PointElements::hold || block.kind != kPoints) hold(block.element2vertex);
   }
   return held;
 }

@@ -116,8 +116,8 @@ class GeometryRun {
       if (span_of(input2work)[t] >= 0) mesh.required_triangles.push_back(span_of(input2work)[t]);
     }
     work_.entities = match.vertices;
-    work_.held = held_by_caller(input, options_);
-    held_firmly_ = held_by_caller(input, options_, false);
+    work_.held = held_by_caller(input, options_, PointElements::hold);
+    held_firmly_ = held_by_caller(input, options_, PointElements::do_not_hold);
   }
 
   /// Positions on the geometry of the vertices on an entity that are not held.

@@ -161,7 +161,7 @@ const std::array kTable{
                "do not leave, except for lines that end in the middle of the surface and nowhere turn by more than 4/3 "
                "of the angle; 180: no edge is a feature by its angle",
                {},
-               {0, 180, true, "degrees"},
+               {.min = 0, .max = 180, .excludes_min = true, .unit = "degrees"},
                kNeedsSliding},
     OptionInfo{"max_deviation",
                &Options::max_deviation,
@@ -169,7 +169,7 @@ const std::array kTable{
                "With boundary=slide, maximum distance of the new surface from the old one and of the old one from the "
                "new one; 0: no bound",
                {},
-               {0, kInfinity, false, "(a length)"},
+               {.min = 0, .max = kInfinity, .unit = "(a length)"},
                kNeedsSliding},
     OptionInfo{"frozen_regions", &Options::frozen_regions, kSurface,
                "Tags of the regions whose tetrahedra do not change"},

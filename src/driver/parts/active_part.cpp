@@ -29,7 +29,7 @@ class PartTaker {
     part_.options.frozen_regions.clear();
     part_.options.frozen_patches.clear();
     take_vertices(vertices_of(mesh.tets, active.flags, mesh.points.size()),
-                  vertices_of(mesh.tets, active.flags, mesh.points.size(), false));
+                  vertices_of_others(mesh.tets, active.flags, mesh.points.size()));
     take_tets(active.flags);
   }
 

@@ -66,7 +66,7 @@ std::int64_t LiveMesh::disturbed() const { return std::count(disturbed_.begin(),
 
 Report LiveMesh::optimize(const Context& context) {
   if (disturbed() > 0) surface_ = nullptr;
-  Report report = optimize_tets(mesh_, tets_at(mesh_.tets, disturbed_), neighborhood_, next_options(), context);
+  Report report = optimize_tets(mesh_, {tets_at(mesh_.tets, disturbed_), neighborhood_}, next_options(), context);
   follow(report);
   std::fill(disturbed_.begin(), disturbed_.end(), 0);
   return report;
@@ -144,7 +144,7 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
     };
     try {
       const auto maps =
-          change_tets(mesh_, tets_at(mesh_.tets, moves), rings, next_options(), context, change, report.optimization);
+          change_tets(mesh_, {tets_at(mesh_.tets, moves), rings}, next_options(), context, change, report.optimization);
       if (!maps) {
         rings *= 2;
         continue;

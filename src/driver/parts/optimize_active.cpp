@@ -49,6 +49,7 @@ Size count_junctions(const TetMesh& mesh, const Constraints& constraints) {
 
 /// A run that can be stopped.
 struct Run {
+  const Options& options;
   const LatchedHooks& hooks;
   PhaseTimer::SteadyClock::time_point start = PhaseTimer::SteadyClock::now();
 };
@@ -80,8 +81,8 @@ class RepeatHooks {
 
 /// change_tets() for known constraints and active tetrahedra.
 std::optional<PartMaps> change_active(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
-                                      const Options& options, const Run& run, const ChangePart& change,
-                                      Report& report) {
+                                      const Run& run, const ChangePart& change, Report& report) {
+  const Options& options = run.options;
   if (active.count == 0) {
     report = report_unchanged(mesh, options);
     return PartMaps();
@@ -119,7 +120,7 @@ std::int64_t count_missing(const TetMesh& mesh, const std::vector<Target>& limit
 Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const ActiveTets& active,
                             const Options& options, const Context& caller) {
   const LatchedHooks hooks(caller);
-  const Run run{hooks};
+  const Run run{options, hooks};
   Report report;
   std::int64_t before = 0, after = 0;
   const auto change = [&](ActivePart& part, const Context& context) {
@@ -129,7 +130,7 @@ Report optimize_active_tets(TetMesh& mesh, const Constraints& constraints, const
     // An input that had to be untangled is worse than any result.
     return after <= before || report.tets_untangled > 0;
   };
-  if (change_active(mesh, constraints, active, options, run, change, report)) return report;
+  if (change_active(mesh, constraints, active, run, change, report)) return report;
   // The objective may lower other measures than those of the floor.
   discard_result(mesh, options,
                  "the mesh is as before: " + std::to_string(after) + " tetrahedra would miss the limits afterwards, " +
@@ -159,11 +160,13 @@ ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options,
   };
   if (is_few(VertexConstraint::corner) && is_few(VertexConstraint::line_end) &&
       count_junctions(mesh, constraints) <= kFewListed) {
-    return {true, true, true};
+    return {.corners = true, .edges = true, .line_ends = true};
   }
   report = report_constraints(mesh, options);
   const bool are_lines = report.edges_not_held == 0;
-  return {report.corners_not_held == 0, are_lines, are_lines && report.line_ends_not_held == 0};
+  return {.corners = report.corners_not_held == 0,
+          .edges = are_lines,
+          .line_ends = are_lines && report.line_ends_not_held == 0};
 }
 
 Report optimize_active(TetMesh& mesh, const Options& options, const Context& context) {
@@ -174,23 +177,22 @@ Report optimize_active(TetMesh& mesh, const Options& options, const Context& con
   return report;
 }
 
-Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
-                     const Context& context) {
+Report optimize_tets(TetMesh& mesh, FlaggedPart part, const Options& options, const Context& context) {
   const auto start = PhaseTimer::SteadyClock::now();
   const Constraints constraints = checked_constraints(mesh, options);
-  const ActiveTets active = activate(mesh, std::move(flags), constraints, rings);
+  const ActiveTets active = activate(mesh, std::move(part.flags), constraints, part.rings);
   Report report = optimize_active_tets(mesh, constraints, active, options, context);
   report.seconds = PhaseTimer::seconds_since(start);
   return report;
 }
 
-std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
-                                    const Context& context, const ChangePart& change, Report& report) {
+std::optional<PartMaps> change_tets(TetMesh& mesh, FlaggedPart part, const Options& options, const Context& context,
+                                    const ChangePart& change, Report& report) {
   const LatchedHooks hooks(context);
-  const Run run{hooks};
+  const Run run{options, hooks};
   const Constraints constraints = checked_constraints(mesh, options);
-  const ActiveTets active = activate(mesh, std::move(flags), constraints, rings);
-  auto maps = change_active(mesh, constraints, active, options, run, change, report);
+  const ActiveTets active = activate(mesh, std::move(part.flags), constraints, part.rings);
+  auto maps = change_active(mesh, constraints, active, run, change, report);
   report.seconds = PhaseTimer::seconds_since(run.start);
   return maps;
 }

@@ -23,18 +23,23 @@ ListedFeatures find_listed_features(const TetMesh& mesh, const Options& options,
 /// optimize() with Options::only_below: optimizes the active tetrahedra as a mesh of their own.
 Report optimize_active(TetMesh& mesh, const Options& options, const Context& context);
 
-/// Optimizes the flagged tetrahedra, and those within `rings` around them, as a mesh of their own.
-Report optimize_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
-                     const Context& context);
+/// Flagged tetrahedra, and those within some rings around them.
+struct FlaggedPart {
+  std::vector<std::uint8_t> flags;
+  int rings;
+};
+
+/// Optimizes a part as a mesh of its own.
+Report optimize_tets(TetMesh& mesh, FlaggedPart part, const Options& options, const Context& context);
 
 /// Changes a part, with the hooks of the run, and returns whether the result is to be taken.
 using ChangePart = std::function<bool(ActivePart&, const Context&)>;
 
-/// Takes the part of the flagged tetrahedra and those within `rings` around them, changes it, and puts it in its place;
-/// `report` is that of the part, which `change` fills, and becomes one of the whole mesh. Without tetrahedra that may
-/// change, nothing is called. Where the result is not taken, returns nothing, and the mesh is as before.
-std::optional<PartMaps> change_tets(TetMesh& mesh, std::vector<std::uint8_t> flags, int rings, const Options& options,
-                                    const Context& context, const ChangePart& change, Report& report);
+/// Takes a part, changes it, and puts it in its place; `report` is that of the part, which `change` fills, and becomes
+/// one of the whole mesh. Without tetrahedra that may change, nothing is called. Where the result is not taken, returns
+/// nothing, and the mesh is as before.
+std::optional<PartMaps> change_tets(TetMesh& mesh, FlaggedPart part, const Options& options, const Context& context,
+                                    const ChangePart& change, Report& report);
 
 /// The error of a part, or, if it lists what is not valid in the part, the same for the whole mesh with its numbers.
 MeshError error_of_whole(const MeshError& of_part, const TetMesh& part, const TetMesh& whole, int threads);

@@ -29,7 +29,6 @@ Answer ask(PluginSession& session, const char* verb, const Query& query) {
 }
 
 Point3 scaled(const Point3& p, double factor) { return {factor * p[0], factor * p[1], factor * p[2]}; }
-double distance(const Point3& a, const Point3& b) { return norm(vec(a) - vec(b)); }
 
 std::string text_of(const char* format, double x, double y, double z) {
   char text[128];
@@ -115,8 +114,9 @@ double diagonal_of(const std::vector<Point3>& points, const std::vector<Index>& 
 
 /// A hint at the unit, where it explains the sizes of the mesh and of the geometry.
 std::string unit_hint(double ratio, double unit) {
+  constexpr double kTolerance = 0.05;
   for (const LengthUnit& u : kLengthUnits) {
-    if (std::fabs(ratio / u.mm - 1) < 0.05 && std::fabs(unit / u.mm - 1) > 0.05) {
+    if (std::fabs(ratio / u.mm - 1) < kTolerance && std::fabs(unit / u.mm - 1) > kTolerance) {
       return "; geometry_unit=" + number(u.mm) + " (" + u.name + ") would make the sizes equal";
     }
   }

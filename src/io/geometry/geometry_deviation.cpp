@@ -11,7 +11,7 @@
 namespace tetune {
 namespace {
 
-/// Of ProjectSettings: distances have six digits at least.
+/// ProjectSettings::precision with which distances have six digits at least.
 constexpr double kPrecision = 1e-3;
 
 /// The points to measure: of a kind, on a face's triangles.

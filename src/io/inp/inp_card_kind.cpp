@@ -46,7 +46,7 @@ constexpr std::array kWithoutLabels{
 
 using Fields = InpCardKind::Fields;
 
-/// What the lines of a card give nodes.
+/// The kind of values that the lines of a card give nodes.
 InpCardKind::Condition condition_of(const InpKeyword& keyword) {
   using Condition = InpCardKind::Condition;
   static constexpr std::array kFields{"TEMPERATURE", "FIELD", "NODALTHICKNESS", "PRESSURESTRESS"};

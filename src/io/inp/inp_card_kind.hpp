@@ -10,13 +10,13 @@ struct InpCardKind {
   enum class Fields { none, first, every, every_third };
   Fields nodes = Fields::none;
   Fields elements = Fields::none;
-  /// Its lines are `element or set, face, ...`.
+  /// The lines of the card are `element or set, face, ...`.
   bool has_faces = false;
-  /// It relates the nodes of sets one by one.
+  /// The card relates the nodes of sets one by one.
   bool pairs = false;
-  /// Its load acts on each node of a set: the total would change with their number.
+  /// The load of the card acts on each node of a set: the total would change with their number.
   bool is_per_node = false;
-  /// What follows a node or set of nodes in a line of values:
+  /// The fields that follow a node or set of nodes in a line of values:
   /// field: values, which vary linearly between the nodes; components: the number of a component, and such values;
   /// range: the first and last degree of freedom, and a value; members: nothing.
   enum class Condition { none, field, components, range, members };

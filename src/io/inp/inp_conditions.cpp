@@ -10,6 +10,7 @@
 
 #include "io/inp/inp_format.hpp"
 #include "io/real_field.hpp"
+#include "mesh/sorted.hpp"
 
 namespace tetune {
 namespace {
@@ -125,12 +126,6 @@ std::optional<ValueFields> value_between(const std::vector<const ValueFields*>& 
 
 using IndexPairs = std::vector<std::pair<Index, Index>>;
 
-template <class Take>
-void for_partners(const IndexPairs& pairs, Index first, const Take& take) {
-  auto at = std::lower_bound(pairs.begin(), pairs.end(), std::pair(first, Index{-1}));
-  for (; at != pairs.end() && at->first == first; ++at) take(at->second);
-}
-
 /// Which inserted nodes depend on which nodes; inserted nodes by their position in InpMatch::inserted.
 struct InpDependents {
   IndexPairs of_node;              ///< a node of the deck, an inserted node
@@ -240,11 +235,13 @@ class InpExtension {
   std::vector<Index> concerned() const {
     std::vector<Index> rows;
     if (has_own_lines_) rows = dependents_.outside;
-    const auto take = [&rows](Index i) { rows.push_back(i); };
-    for (const auto& [node, entries] : entries_) for_partners(dependents_.of_node, node, take);
+    const auto take_partners = [&rows](const IndexPairs& pairs, Index first) {
+      for (const auto& pair : pairs_from(pairs, first)) rows.push_back(pair.second);
+    };
+    for (const auto& [node, entries] : entries_) take_partners(dependents_.of_node, node);
     sort_unique(rows);
     const std::vector<Index> found = rows;
-    for (const Index i : found) for_partners(dependents_.of_inserted, i, take);
+    for (const Index i : found) take_partners(dependents_.of_inserted, i);
     sort_unique(rows);
     return rows;
   }

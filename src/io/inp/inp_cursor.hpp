@@ -114,17 +114,10 @@ class InpCursor {
     if (!line_done()) fail("expected the end of the line, found \"" + shown() + "\"");
     pass_line_end();
   }
-  /// A positive integer of at most 18 digits; `name` stands for it in messages. Where `zero` is set, 0 is one too.
-  std::int64_t label(const char* name, bool zero = false) {
-    skip_blanks();
-    const char* const start = at_;
-    std::int64_t value = 0;
-    while (at_ < end_ && *at_ >= '0' && *at_ <= '9' && at_ - start < 18) value = 10 * value + (*at_++ - '0');
-    const bool is_ended = at_ >= end_ || *at_ == ',' || *at_ == '\n' || is_blank(*at_);
-    if (at_ != start && is_ended && (value > 0 || zero)) return value;
-    at_ = start;
-    fail(std::string("expected the ") + name + ", found \"" + shown() + "\"");
-  }
+  /// A positive integer of at most 18 digits; `name` stands for it in messages.
+  std::int64_t label(const char* name) { return integer(name, 1); }
+  /// Same as label(), where 0 stands for none.
+  std::int64_t label_or_zero(const char* name) { return integer(name, 0); }
   /// A number; an empty field is 0.
   double real() {
     skip_blanks();
@@ -138,6 +131,16 @@ class InpCursor {
   }
 
  private:
+  std::int64_t integer(const char* name, std::int64_t min) {
+    skip_blanks();
+    const char* const start = at_;
+    std::int64_t value = 0;
+    while (at_ < end_ && *at_ >= '0' && *at_ <= '9' && at_ - start < 18) value = 10 * value + (*at_++ - '0');
+    const bool is_ended = at_ >= end_ || *at_ == ',' || *at_ == '\n' || is_blank(*at_);
+    if (at_ != start && is_ended && value >= min) return value;
+    at_ = start;
+    fail(std::string("expected the ") + name + ", found \"" + shown() + "\"");
+  }
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
   /// Continues with the next line, where this one is not the last.

@@ -97,7 +97,7 @@ void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, In
       if (!is_complete) cursor.skip_comments();
       if (is_complete || cursor.at_end() || cursor.line_kind() != InpCursor::Line::data) break;
     }
-    const std::int64_t node = cursor.label("number of a node", true);
+    const std::int64_t node = cursor.label_or_zero("number of a node");
     if (node != 0) scan.other_nodes.push_back(node);  // network elements have 0 for no node
     if (++n != expected) continue;
     cursor.take_line();  // both programs ignore more numbers

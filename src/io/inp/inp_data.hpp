@@ -13,7 +13,7 @@ namespace tetune {
 
 /// Reads the lines of nodes up to the next that is none.
 void read_inp_nodes(InpCursor& cursor, InpModel& model);
-/// Likewise of tetrahedra, in the set of their card or in none (-1).
+/// Reads the lines of tetrahedra up to the next that is none. `set`: that of their card, or -1.
 void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan);
 /// Reads one element of another type.
 void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan);

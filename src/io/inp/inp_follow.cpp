@@ -288,7 +288,7 @@ class InpFollower {
   std::map<Index, std::set<std::int64_t>> auxiliary_members_;  ///< numbers of elements, by set
   std::vector<std::vector<InpLabeledFace>> faces_;             ///< per face group
   std::vector<InpInserted> inserted_;                          ///< per inserted node
-  std::vector<std::vector<Index>> sets_of_;                    ///< likewise
+  std::vector<std::vector<Index>> sets_of_;                    ///< per inserted node
   std::vector<std::vector<std::int64_t>> additions_;           ///< per set
   std::vector<std::pair<Index, Index>> sets_of_rest_;          ///< by their InpSet::rest: a node, a set
   InpChanges changes_;

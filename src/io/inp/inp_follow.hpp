@@ -19,7 +19,7 @@ struct InpChanges {
   bool appends_nodes = false;
   /// Further cards of sets, after the last node.
   std::string cards_after_nodes;
-  /// Likewise after the last tetrahedron of each *ELEMENT card.
+  /// Further cards of sets, after the last tetrahedron of each *ELEMENT card.
   std::vector<std::string> cards_after_tets;
   /// Lines of inserted nodes, per entry of InpModel::conditions.
   std::vector<std::string> conditions;

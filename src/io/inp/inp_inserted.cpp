@@ -69,33 +69,35 @@ std::vector<MeshPlace> places_after_motion(const TetMesh& deck, const TetMesh& m
   return find_places(searched, mesh, vertices);
 }
 
-/// The vertices and edges of the boundary and of the faces between regions.
-class InpSurfaceEdges {
+/// The boundary and the faces between regions.
+class InpSurface {
  public:
-  explicit InpSurfaceEdges(const TetMesh& mesh) : on_surface_(mesh.points.size(), 0) {
-    for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) {
-      const auto& v = face.vertices;
-      for (const Index vertex : v) span_of(on_surface_)[vertex] = 1;
-      for (const auto& [a, b] : kTriangleEdges) edges_.push_back(ascending(v[to_size_t(a)], v[to_size_t(b)]));
-    });
-    sort_unique(edges_);
-  }
-  /// Whether an edge with both ends on the surface is not on it itself.
-  bool is_across(const std::array<Index, 2>& ends) const {
-    return span_of(on_surface_)[ends[0]] != 0 && span_of(on_surface_)[ends[1]] != 0 &&
-           !is_listed(edges_, ascending(ends[0], ends[1]));
+  explicit InpSurface(const TetMesh& mesh)
+      : faces_(find_surface_faces(mesh)), on_surface_(mark_vertices(faces_, mesh.points.size())) {}
+  /// 1 per vertex on the surface.
+  const std::vector<std::uint8_t>& on_surface() const { return on_surface_; }
+  /// The edges of the faces, in increasing order.
+  std::vector<std::array<Index, 2>> edges() const {
+    std::vector<std::array<Index, 2>> edges;
+    for (const auto& v : faces_) {
+      for (const auto& [a, b] : kTriangleEdges) edges.push_back(ascending(v[to_size_t(a)], v[to_size_t(b)]));
+    }
+    sort_unique(edges);
+    return edges;
   }
 
  private:
+  std::vector<std::array<Index, 3>> faces_;
   std::vector<std::uint8_t> on_surface_;
-  std::vector<std::array<Index, 2>> edges_;
 };
 
 /// Sets the ends of the edges of mid-side nodes.
-void find_ends(const TetMesh& mesh, const InpMatch& match, const Middles& middles, std::vector<InpInserted>& inserted) {
+void find_ends(const TetMesh& mesh, const InpMatch& match, const Middles& middles, const InpSurface& surface,
+               std::vector<InpInserted>& inserted) {
   std::vector<Index> vertex2inserted(mesh.points.size(), -1);
   for (std::size_t i = 0; i < inserted.size(); ++i) span_of(vertex2inserted)[match.inserted[i]] = to_index(i);
-  const InpSurfaceEdges surface(mesh);
+  const Span<const std::uint8_t> on_surface = span_of(surface.on_surface());
+  const std::vector<std::array<Index, 2>> surface_edges = surface.edges();
   for (const auto& tet : mesh.tets) {
     for (const auto& [i, j] : kTetEdges) {
       const std::array<Index, 2> ends{tet[to_size_t(i)], tet[to_size_t(j)]};
@@ -105,7 +107,8 @@ void find_ends(const TetMesh& mesh, const InpMatch& match, const Middles& middle
       node.ends = ends;
       node.has_inserted_end =
           std::any_of(ends.begin(), ends.end(), [&](Index v) { return span_of(vertex2inserted)[v] >= 0; });
-      node.is_across = surface.is_across(ends);
+      node.is_across = on_surface[ends[0]] != 0 && on_surface[ends[1]] != 0 &&
+                       !is_listed(surface_edges, ascending(ends[0], ends[1]));
     }
   }
 }
@@ -121,7 +124,8 @@ std::vector<InpInserted> find_inp_inserted(const InpModel& model, const TetMesh&
   sort_unique(with_values);
   if (with_values.empty()) return {};
   std::vector<InpInserted> inserted(match.inserted.size());
-  if (middles != nullptr) find_ends(mesh, match, *middles, inserted);
+  const InpSurface surface(mesh);
+  if (middles != nullptr) find_ends(mesh, match, *middles, surface, inserted);
   std::vector<Index> vertices;
   for (const Index v : match.inserted) {
     if (middles == nullptr || !middles->is_middle(v)) vertices.push_back(v);
@@ -136,7 +140,7 @@ std::vector<InpInserted> find_inp_inserted(const InpModel& model, const TetMesh&
   const TetMesh deck = mesh_of_deck(model, mesh, match, has_moved);
   std::vector<MeshPlace> places;
   if (has_moved) places = places_after_motion(deck, mesh, match, with_values, vertices);
-  const std::vector<InsertedVertex> found = find_inserted(deck, mesh, vertices, places);
+  const std::vector<InsertedVertex> found = find_inserted(deck, mesh, surface.on_surface(), vertices, places);
   for (std::size_t i = 0; i < found.size(); ++i) {  // vertices precede mid-side nodes
     inserted[i].support = found[i].support;
     inserted[i].nodes = support_of(found[i].place);

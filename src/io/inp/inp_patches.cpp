@@ -2,21 +2,17 @@
 // From the surfaces of a deck, and sets of nodes on its boundary, to triangles with tags.
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "backend/cpu.hpp"
 #include "io/inp/inp_combinations.hpp"
 #include "io/inp/inp_scan.hpp"
-#include "mesh/csr.hpp"
 #include "mesh/tet.hpp"
+#include "mesh/vertex_tets.hpp"
 #include "tetune/validate.hpp"
 
 namespace tetune {
 namespace {
-
-struct VertexOfCorner {
-  Span<const std::array<Index, 4>> tets;
-  Size operator()(Size corner) const { return tets[corner / 4][to_size_t(corner % 4)]; }
-};
 
 /// A face of a tetrahedron by its vertices in ascending order.
 struct FaceOfTet {
@@ -39,7 +35,7 @@ class InpPatches {
     hold_sets();
     for (std::size_t g = 0; g < model_.face_groups.size(); ++g) {
       for (const InpFace& f : model_.face_groups[g].faces) {
-        add(span_of(model_.element2tet)[f.element], kInpOppositeFace[to_size_t(f.face)], to_index(g), true);
+        add(span_of(model_.element2tet)[f.element], kInpOppositeFace[to_size_t(f.face)], to_index(g));
       }
     }
     for (std::size_t s = 0; s < model_.sets.size(); ++s) {
@@ -83,8 +79,9 @@ class InpPatches {
     return face;
   }
 
-  /// Adds a face to a patch: of the group with this number, or of the set of nodes with minus this number - 1.
-  void add(Index tet, int opposite, Index member, bool has_side) {
+  /// Adds a face to a patch: of the group with this number, or of the set of nodes with minus this number - 1. The
+  /// faces of a group have a side, those of a set have none.
+  void add(Index tet, int opposite, Index member) {
     const std::array<Index, 3> face = outward_face(tet, opposite);
     std::array<Index, 3> key = face;
     std::sort(key.begin(), key.end());
@@ -95,6 +92,7 @@ class InpPatches {
     }
     const auto& listed = span_of(triangles_)[at->second];
     const auto first = to_size_t(std::find(listed.begin(), listed.end(), face[0]) - listed.begin());
+    const bool has_side = member >= 0;
     const bool same_sense = listed[(first + 1) % 3] == face[1];
     Index& combination = span_of(combination_)[at->second];
     combination = combinations_.with(combination, {member, has_side && !same_sense ? 1 : 0});
@@ -130,12 +128,10 @@ class InpPatches {
     }
   }
 
-  /// The corners of tetrahedra at each vertex: built for the first set that needs them.
-  CsrView vertex2corner() {
-    if (rows_.offsets.size() == 0) {
-      build_csr(cpu_, std::ssize(mesh_.points), 4 * std::ssize(mesh_.tets), VertexOfCorner{span_of(mesh_.tets)}, rows_);
-    }
-    return rows_.view();
+  /// Built for the first set that needs them.
+  const VertexTets& vertex2tets() {
+    if (!vertex2tets_) vertex2tets_.emplace(cpu_, mesh_);
+    return *vertex2tets_;
   }
 
   /// Finds the regions and the parts of the boundary whose vertices a set has; other vertices of tetrahedra are held.
@@ -228,10 +224,7 @@ class InpPatches {
     std::vector<FaceOfTet> faces;
     for (const Index v : set.members) {
       if (!is_uncovered(v)) continue;
-      const CsrView corners = vertex2corner();
-      for (Size c = corners.begin(v); c < corners.end(v); ++c) {
-        add_faces_of(to_index(corners.items[c] / 4), v, faces);
-      }
+      for (const Index t : vertex2tets().of(v)) add_faces_of(t, v, faces);
     }
     std::sort(faces.begin(), faces.end());
     return faces;
@@ -254,7 +247,7 @@ class InpPatches {
       const auto next = std::find_if(face, faces.end(), [face](const FaceOfTet& f) { return *face < f; });
       const auto tag_of = [this](const FaceOfTet& f) { return span_of(mesh_.tet_tags)[f.tet]; };
       if (next - face != 2 || tag_of(face[0]) != tag_of(face[1])) {
-        add(face->tet, face->opposite, -1 - set, false);
+        add(face->tet, face->opposite, -1 - set);
         reached.insert(reached.end(), face->vertices.begin(), face->vertices.end());
       }
       face = next;
@@ -264,9 +257,7 @@ class InpPatches {
   void hold_rest(InpSet& set) {
     const std::size_t before = held_.size();
     for (const Index v : set.members) {
-      if (!is_uncovered(v)) continue;
-      const CsrView corners = vertex2corner();
-      if (corners.size(v) > 0) held_.push_back(v);
+      if (is_uncovered(v) && !vertex2tets().of(v).empty()) held_.push_back(v);
     }
     if (!set.is_held) set.rest.assign(held_.begin() + std::ptrdiff_t(before), held_.end());
     if (held_.size() == before) return;
@@ -332,7 +323,7 @@ class InpPatches {
   std::vector<Index> combination_;  ///< per triangle
 
   backend::Cpu cpu_{1};
-  Csr<backend::Cpu> rows_;
+  std::optional<VertexTets> vertex2tets_;
   std::vector<std::size_t> tets_of_region_;
   std::vector<std::uint8_t> mark_;
   std::vector<Index> held_;

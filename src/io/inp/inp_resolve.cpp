@@ -113,6 +113,8 @@ class InpResolver {
   }
 
   /// The set that a card refers to by name, or -1.
+  Index find_node_set(const std::string& written) const { return find_set(/*of_nodes=*/true, written); }
+  Index find_element_set(const std::string& written) const { return find_set(/*of_nodes=*/false, written); }
   Index find_set(bool of_nodes, const std::string& written) const {
     const auto found = scan_.names.find({of_nodes, inp_name(written)});
     return found == scan_.names.end() ? -1 : found->second;
@@ -167,7 +169,7 @@ class InpResolver {
     }
     // Sets of sets would double their members with each level.
     if (!lines.names.empty()) sort_unique(set.members);
-    if (card.follows_elements) add_nodes_of(find_set(false, lines.elements), set.members);
+    if (card.follows_elements) add_nodes_of(find_element_set(lines.elements), set.members);
     lines = {};
   }
 
@@ -212,7 +214,7 @@ class InpResolver {
         if (parse_inp_integer(fields[0], label)) {
           line.node = model_.node(label);
         } else {
-          line.set = find_set(true, std::string(fields[0]));
+          line.set = find_node_set(std::string(fields[0]));
         }
       }
     }
@@ -226,7 +228,7 @@ class InpResolver {
     if (line.group >= 0 && parse_inp_integer(line.of, label)) {
       of.push_back(model_.element(label));
     } else if (line.group >= 0) {
-      set = find_set(false, line.of);
+      set = find_element_set(line.of);
       if (set >= 0) of = span_of(model_.sets)[set].members;
     }
     const bool is_known = set >= 0 || (!of.empty() && of[0] >= 0);

@@ -167,7 +167,7 @@ class InpScanner {
     mode_ = Mode::nodes;
     InpEntityCard card;
     card.first = to_index(model_.node_labels.size());
-    if (const std::string* set = keyword.find("NSET")) card.set = set_of(true, *set, where);
+    if (const std::string* set = keyword.find("NSET")) card.set = node_set(*set, where);
     model_.node_cards.push_back(card);
     add_piece(InpPiece::Kind::text, start);
     return true;
@@ -178,7 +178,7 @@ class InpScanner {
     if (type == nullptr) where.fail("*ELEMENT has no TYPE");
     type_ = inp_element_type(inp_name(*type));
     element_set_ = -1;
-    if (const std::string* set = keyword.find("ELSET")) element_set_ = set_of(false, *set, where);
+    if (const std::string* set = keyword.find("ELSET")) element_set_ = element_set(*set, where);
     const bool is_second_order = type_.role == InpElementType::Role::quadratic_tetrahedron;
     const bool is_tet = is_second_order || type_.role == InpElementType::Role::tetrahedron;
     if (is_tet && scan_.nodes_per_tet != 0 && scan_.nodes_per_tet != type_.nodes) {
@@ -199,7 +199,7 @@ class InpScanner {
     if (name == nullptr) where.fail("*" + keyword.name + " has no name (" + keyword.name + "=...)");
     mode_ = Mode::set;
     InpSetCard card;
-    card.set = set_of(of_nodes, *name, where);
+    card.set = of_nodes ? node_set(*name, where) : element_set(*name, where);
     card.head = head_from(start);
     card.generates = keyword.has("GENERATE");
     card.follows_elements = of_nodes && keyword.has("ELSET");
@@ -220,6 +220,8 @@ class InpScanner {
   }
 
   /// The set of this name.
+  Index node_set(const std::string& name, const InpPlace& where) { return set_of(/*of_nodes=*/true, name, where); }
+  Index element_set(const std::string& name, const InpPlace& where) { return set_of(/*of_nodes=*/false, name, where); }
   Index set_of(bool of_nodes, const std::string& name, const InpPlace& where) {
     const std::string key = inp_name(name);
     if (key.empty()) where.fail("the name of a set is empty");

@@ -62,7 +62,7 @@ class MshSource {
   std::size_t count(const char* name, int text_numbers, int bytes) {
     return checked(long_integer(name), name, text_numbers, bytes);
   }
-  /// Likewise for a count that is text in every file; binary entries start on the next line.
+  /// Reads a count that is text in every file, as count() does; binary entries start on the next line.
   std::size_t text_count(const char* name, int text_numbers, int bytes) {
     const std::int64_t n = text_.integer(name);
     if (is_binary_) text_.line();

@@ -2,23 +2,28 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "backend/span.hpp"
 
 namespace tetune {
+
+/// The section of a file that lists an element.
+enum class NetgenSection : std::uint8_t { surface, volume };
 
 /// A kind of other elements in Netgen's files, by its number of nodes. Solids are listed the other way around than in
 /// MEDIT's and VTK's files: vertex k there is vertex order[k] here, and the reverse.
 struct NetgenKind {
   const char* kind;
   int vertices;
-  bool is_solid;
+  NetgenSection section;
   std::array<int, 8> order;
 };
-inline constexpr std::array<NetgenKind, 4> kNetgenKinds{{{"Quadrilaterals", 4, false, {0, 1, 2, 3}},
-                                                         {"Pyramids", 5, true, {0, 3, 2, 1, 4}},
-                                                         {"Prisms", 6, true, {0, 2, 1, 3, 5, 4}},
-                                                         {"Hexahedra", 8, true, {0, 3, 2, 1, 4, 7, 6, 5}}}};
+inline constexpr std::array<NetgenKind, 4> kNetgenKinds{
+    {{"Quadrilaterals", 4, NetgenSection::surface, {0, 1, 2, 3}},
+     {"Pyramids", 5, NetgenSection::volume, {0, 3, 2, 1, 4}},
+     {"Prisms", 6, NetgenSection::volume, {0, 2, 1, 3, 5, 4}},
+     {"Hexahedra", 8, NetgenSection::volume, {0, 3, 2, 1, 4, 7, 6, 5}}}};
 
 /// The places of tetune's vertices, and of the nodes in the middles of its edges as VTK numbers these, among the nodes
 /// of tetrahedra and triangles.

@@ -157,7 +157,7 @@ class NetgenReader {
         surfaces_.push_back(surface);
         if (nodes == 6) add_middles(v, kNetgenTriangle, kTriangleEdges);
       } else {
-        add_other(v, tag, false);
+        add_other(v, tag, NetgenSection::surface);
       }
     }
   }
@@ -172,7 +172,7 @@ class NetgenReader {
         mesh_.tet_tags.push_back(tag);
         if (v.size() == 10) add_middles(v, kNetgenTet, kTetEdges);
       } else {
-        add_other(v, tag, true);
+        add_other(v, tag, NetgenSection::volume);
       }
     }
   }
@@ -186,16 +186,16 @@ class NetgenReader {
     }
   }
 
-  void add_other(const std::vector<Index>& v, int tag, bool is_solid) {
+  void add_other(const std::vector<Index>& v, int tag, NetgenSection section) {
     for (const NetgenKind& kind : kNetgenKinds) {
-      if (to_size_t(kind.vertices) != v.size() || kind.is_solid != is_solid) continue;
+      if (to_size_t(kind.vertices) != v.size() || kind.section != section) continue;
       ElementBlock& block = block_of(kind.kind, kind.vertices);
       for (std::size_t k = 0; k < v.size(); ++k) block.element2vertex.push_back(v[to_size_t(kind.order[k])]);
       block.tags.push_back(tag);
       return;
     }
-    cursor_.fail(std::string(is_solid ? "volume" : "surface") + " elements of " + std::to_string(v.size()) +
-                 " nodes are not supported");
+    cursor_.fail(std::string(section == NetgenSection::volume ? "volume" : "surface") + " elements of " +
+                 std::to_string(v.size()) + " nodes are not supported");
   }
   ElementBlock& block_of(const char* kind, int each) {
     for (ElementBlock& block : mesh_.others) {

@@ -24,7 +24,7 @@ class NetgenNumbers {
     for (const ElementBlock& block : mesh.others) {
       if (block.kind == std::string_view(other_kind)) used.insert(block.tags.begin(), block.tags.end());
       for (const NetgenKind& kind : kNetgenKinds) {
-        if (kind.kind == block.kind && dimension == (kind.is_solid ? 3 : 2))
+        if (kind.kind == block.kind && dimension == (kind.section == NetgenSection::volume ? 3 : 2))
           used.insert(block.tags.begin(), block.tags.end());
       }
     }
@@ -238,7 +238,8 @@ class NetgenWriter {
   void write_solids() {
     std::size_t n = mesh_.tets.size();
     for (const NetgenKind& kind : kNetgenKinds) {
-      if (kind.is_solid && block_of(kind.kind) != nullptr) n += block_of(kind.kind)->tags.size();
+      if (kind.section == NetgenSection::volume && block_of(kind.kind) != nullptr)
+        n += block_of(kind.kind)->tags.size();
     }
     section("volumeelements", n);
     out_.lines(mesh_.tets.size(), [this](auto& entry, std::size_t t) {
@@ -247,7 +248,7 @@ class NetgenWriter {
     });
     for (const NetgenKind& kind : kNetgenKinds) {
       const ElementBlock* const block = block_of(kind.kind);
-      if (!kind.is_solid || block == nullptr) continue;
+      if (kind.section != NetgenSection::volume || block == nullptr) continue;
       out_.lines(block->tags.size(), [&](auto& entry, std::size_t i) {
         entry.integer(regions_.of(block->tags[i]));
         const std::size_t each = to_size_t(kind.vertices);

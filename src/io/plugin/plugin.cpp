@@ -78,20 +78,30 @@ void read_answer(const MemoryFile& channel, const Plugin& plugin, const std::str
   if (read) read(answer);
 }
 
-}  // namespace
+/// A run of a plugin's program on a file.
+struct PluginRun {
+  const char* verb;
+  std::string path;                               ///< of the file in messages
+  std::string file = {};                          ///< the one that the program opens; empty: `path`
+  int time = 0;                                   ///< the number of one of the file's times; 0: none is named
+  std::function<void(PluginWriter&)> write = {};  ///< encodes the input; may be empty
+  std::function<void(MeshReader&)> read = {};     ///< decodes the rest of the answer; may be empty
+};
 
-void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
-                 const IoContext& context, const std::function<void(PluginWriter&)>& write,
-                 const std::function<void(MeshReader&)>& read, int time) {
-  require_plugin(plugin, path);
+/// Returns when the program has answered. Throws FileError, with what to install where the plugin or its library is
+/// missing.
+void run_plugin(const Plugin& plugin, const PluginRun& run, const IoContext& context) {
+  require_plugin(plugin, run.path);
   const MemoryFile channel;
-  if (write) write_input(channel, plugin, path, write);
-  std::vector<std::string> words{verb, file};
-  if (time > 0) words.push_back(std::to_string(time));
-  check_status(run_program(find_program(plugin), words, channel, kPluginDescriptor), plugin, verb, path,
-               write || !read);
-  read_answer(channel, plugin, path, context, read);
+  if (run.write) write_input(channel, plugin, run.path, run.write);
+  std::vector<std::string> words{run.verb, run.file.empty() ? run.path : run.file};
+  if (run.time > 0) words.push_back(std::to_string(run.time));
+  check_status(run_program(find_program(plugin), words, channel, kPluginDescriptor), plugin, run.verb, run.path,
+               run.write || !run.read);
+  read_answer(channel, plugin, run.path, context, run.read);
 }
+
+}  // namespace
 
 void PluginSession::call(const char* verb, const IoContext& context, const std::function<void(PluginWriter&)>& write,
                          const std::function<void(MeshReader&)>& read) {
@@ -134,25 +144,27 @@ void require_plugin(const Plugin& plugin, const std::string& path) {
 TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context, int time) {
   { const MappedFile readable(path); }  // an error of opening has the same message for all formats
   TetMesh mesh;
-  call_plugin(
-      plugin, "read", path, path, context, {}, [&](MeshReader& answer) { answer(mesh); }, time);
+  const auto read = [&](MeshReader& answer) { answer(mesh); };
+  run_plugin(plugin, {.verb = "read", .path = path, .time = time, .read = read}, context);
   return mesh;
 }
 
 std::vector<double> read_times_by_plugin(const Plugin& plugin, const std::string& path) {
   { const MappedFile readable(path); }
   std::vector<double> times;
-  call_plugin(plugin, "times", path, path, {}, {}, [&](MeshReader& answer) { answer(times); });
+  const auto read = [&](MeshReader& answer) { answer(times); };
+  run_plugin(plugin, {.verb = "times", .path = path, .read = read}, {});
   return times;
 }
 
 void write_by_plugin(const Plugin& plugin, const std::string& path, const std::string& temporary, const TetMesh& mesh,
                      const IoContext& context) {
-  call_plugin(plugin, "write", path, temporary, context, [&](PluginWriter& out) { out(mesh); }, {});
+  const auto write = [&](PluginWriter& out) { out(mesh); };
+  run_plugin(plugin, {.verb = "write", .path = path, .file = temporary, .write = write}, context);
 }
 
 void require_format(const Plugin& plugin, const std::string& path) {
-  call_plugin(plugin, "check", path, path, {}, {}, {});
+  run_plugin(plugin, {.verb = "check", .path = path}, {});
 }
 
 }  // namespace tetune

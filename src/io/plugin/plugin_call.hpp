@@ -14,19 +14,14 @@ namespace tetune {
 
 using PluginWriter = MeshWriter<std::function<void(const void*, std::size_t)>>;
 
-/// Runs the plugin's program on a file and returns when it has answered: `write` encodes its input, `read` decodes the
-/// rest of its answer; either may be empty. `time`: the number of one of the file's times; 0: none is named. Throws
-/// FileError, with what to install where the plugin or its library is missing. `path` stands for the file in messages.
-void call_plugin(const Plugin& plugin, const char* verb, const std::string& path, const std::string& file,
-                 const IoContext& context, const std::function<void(PluginWriter&)>& write,
-                 const std::function<void(MeshReader&)>& read, int time = 0);
-
 /// A plugin's program that keeps a file for many requests, which end it only where they crash it. May be called from
 /// several threads, which wait for each other.
 class PluginSession {
  public:
   PluginSession(const Plugin& plugin, std::string file) : plugin_(plugin), file_(std::move(file)) {}
-  /// As call_plugin(); the first request starts the program.
+  /// Returns when the program has answered: `write` encodes its input, `read` decodes the rest of its answer; either
+  /// may be empty. The first request starts the program. Throws FileError, with what to install where the plugin or its
+  /// library is missing.
   void call(const char* verb, const IoContext& context, const std::function<void(PluginWriter&)>& write,
             const std::function<void(MeshReader&)>& read);
 

@@ -83,11 +83,6 @@ void project(BoundedProjection& projection, Size index, const Field& field, cons
 }
 
 /// The tetrahedra of the input that contribute to one of the result, with the volumes that they give.
-struct Contribution {
-  Index old;
-  double volume;
-};
-
 class Contributions {
  public:
   explicit Contributions(const TetOverlaps& overlaps) : overlaps_(overlaps), uncovered_tets_(overlaps.uncovered_tets) {
@@ -206,7 +201,7 @@ std::optional<ConservedData> conserve_data_until_stopped(const backend::Cpu& cpu
   ProjectionSums sums(meshes, span_of(values), std::ssize(fields));
   const bool projects = !fields.empty();
   const std::optional<TetOverlaps> found = find_overlaps(
-      cpu, meshes, projects,
+      cpu, meshes, projects ? Moments::computed : Moments::omitted,
       [&](const std::vector<Index>& changed) {
         if (projects) sums.begin(changed);
       },

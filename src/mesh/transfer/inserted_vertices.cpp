@@ -17,21 +17,13 @@ namespace {
 /// A vertex of a tetrahedron supports a point whose barycentric coordinate for it is above this.
 constexpr double kTolerance = 1e-6;
 
-std::vector<std::uint8_t> find_surface_vertices(const TetMesh& mesh) {
-  std::vector<std::uint8_t> on_surface(mesh.points.size(), 0);
-  for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) {
-    for (const Index v : face.vertices) span_of(on_surface)[v] = 1;
-  });
-  return on_surface;
-}
-
 /// Finds the places of points in a mesh.
 class TetSearch {
  public:
   explicit TetSearch(const TetMesh& mesh) : view_(mesh, unit_scale(mesh)), tree_(boxes()) {}
 
-  /// Of the tetrahedra that contain the point, but for rounding, the one that it is farthest inside; empty support
-  /// where there is none.
+  /// The place of a point in the tetrahedron that it is farthest inside, or outside by rounding alone; all weights are
+  /// 0 where there is none.
   MeshPlace find(const Point3& p) const {
     // In units of about the size of the mesh.
     constexpr double kReach = 1e-9;
@@ -90,7 +82,7 @@ class TetSearch {
 /// it. A support without such neighbors becomes empty.
 void add_inner_neighbors(const TetMesh& mesh, const std::vector<std::uint8_t>& on_surface,
                          const std::vector<InsertedVertex*>& inserted) {
-  constexpr Size kMaxNeighbors = 32;  // of a vertex: some have thousands
+  constexpr std::size_t kMaxNeighbors = 32;  // of a vertex: some have thousands
   std::vector<std::uint8_t> is_supporting(mesh.points.size(), 0);
   for (const InsertedVertex* i : inserted) {
     for (const Index v : i->support) span_of(is_supporting)[v] = 1;
@@ -108,9 +100,8 @@ void add_inner_neighbors(const TetMesh& mesh, const std::vector<std::uint8_t>& o
   for (InsertedVertex* i : inserted) {
     std::vector<Index> inside;
     for (const Index v : i->support) {
-      auto at = std::lower_bound(neighbors.begin(), neighbors.end(), std::pair(v, Index{-1}));
-      for (Size k = 0; k < kMaxNeighbors && at != neighbors.end() && at->first == v; ++k)
-        inside.push_back((at++)->second);
+      const auto of_vertex = pairs_from(neighbors, v);
+      for (const auto& pair : of_vertex.first(std::min(of_vertex.size(), kMaxNeighbors))) inside.push_back(pair.second);
     }
     if (inside.empty()) i->support.clear();
     i->support.insert(i->support.end(), inside.begin(), inside.end());
@@ -136,16 +127,24 @@ std::vector<MeshPlace> find_places(const TetMesh& mesh, const TetMesh& result, c
   return places;
 }
 
-std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids,
+std::vector<std::uint8_t> mark_vertices(const std::vector<std::array<Index, 3>>& faces, std::size_t count) {
+  std::vector<std::uint8_t> marks(count, 0);
+  for (const auto& face : faces) {
+    for (const Index v : face) span_of(marks)[v] = 1;
+  }
+  return marks;
+}
+
+std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result,
+                                          const std::vector<std::uint8_t>& on_surface, const std::vector<Index>& ids,
                                           const std::vector<MeshPlace>& places) {
   std::vector<InsertedVertex> inserted;
   for (const Index id : ids) inserted.push_back({id, {}, {}});
   if (inserted.empty()) return inserted;
-  if (places.empty()) return find_inserted(mesh, result, ids, find_places(mesh, result, ids));
+  if (places.empty()) return find_inserted(mesh, result, on_surface, ids, find_places(mesh, result, ids));
   for (InsertedVertex& i : inserted) i.place = span_of(places)[i.id];
   for (InsertedVertex& i : inserted) i.support = support_of(i.place);
-  const std::vector<std::uint8_t> on_old_surface = find_surface_vertices(mesh);
-  const std::vector<std::uint8_t> on_surface = find_surface_vertices(result);
+  const std::vector<std::uint8_t> on_old_surface = mark_vertices(find_surface_faces(mesh), mesh.points.size());
   std::vector<InsertedVertex*> between_surfaces;
   for (InsertedVertex& i : inserted) {
     const auto is_on_surface = [&](Index v) { return span_of(on_old_surface)[v] != 0; };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "tetune/mesh.hpp"
@@ -36,9 +38,14 @@ std::vector<Index> support_of(const MeshPlace& place);
 /// Where these vertices of `result` are in a mesh, per vertex of `result`.
 std::vector<MeshPlace> find_places(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids);
 
-/// The vertices of `result` with these ids, which were inserted. `mesh`: the input. `places`: where each vertex of the
-/// result is in the input; empty: at its position, as the mesh was not moved.
-std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids,
+/// 1 per vertex of one of the faces. `count`: the number of vertices.
+std::vector<std::uint8_t> mark_vertices(const std::vector<std::array<Index, 3>>& faces, std::size_t count);
+
+/// The vertices of `result` with these ids, which were inserted. `mesh`: the input. `on_surface`: 1 per vertex of the
+/// result on its surface, as of find_surface_faces(). `places`: where each vertex of the result is in the input; empty:
+/// at its position, as the mesh was not moved.
+std::vector<InsertedVertex> find_inserted(const TetMesh& mesh, const TetMesh& result,
+                                          const std::vector<std::uint8_t>& on_surface, const std::vector<Index>& ids,
                                           const std::vector<MeshPlace>& places);
 
 }  // namespace tetune

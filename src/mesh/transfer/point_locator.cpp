@@ -91,13 +91,14 @@ PointLocator::Hit PointLocator::closest_in(const Vec3& p, Index slot) const {
   } else {
     hit.weights = nearest_corner(p, x);
   }
+  constexpr double kSmallest = 1e-300;  // 0 is the distance of points inside alone
   Vec3 q{0, 0, 0};
   for (std::size_t k = 0; k < 4; ++k) q = q + hit.weights[k] * x[k];
   hit.distance2 = dot(q - p, q - p);
   if (inside && touches(hit)) {
     hit.distance2 = 0;
   } else {
-    hit.distance2 = std::max(hit.distance2, 1e-300);
+    hit.distance2 = std::max(hit.distance2, kSmallest);
   }
   return hit;
 }

@@ -68,7 +68,7 @@ void ProjectionSums::complete(const TetOverlaps& overlaps) {
       const Index old = span_of(overlaps.old)[p];
       if (std::fabs(span_of(overlaps.covered)[old] - 1) < kRounding) continue;
       const TetPoints x = meshes_.new_tet(span_of(overlaps.tets)[entry]);
-      partial.push_back({entry, old, overlap(TetFrame(x), TetFrame(meshes_.old_tet(old)), true)});
+      partial.push_back({entry, old, overlap(TetFrame(x), TetFrame(meshes_.old_tet(old)), Moments::computed)});
       for (std::size_t j = 0; j < 4; ++j) {
         for (const double product : column(partial.back().common, j, span_of(volumes_)[entry])) {
           span_of(sums)[old][j] += product;

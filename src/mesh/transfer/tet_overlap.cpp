@@ -122,7 +122,7 @@ TetFrame::TetFrame(const TetPoints& of) : points(of), six(six_volume(of)) {
   gradient = {(1 / six) * cross(e[1], e[2]), (1 / six) * cross(e[2], e[0]), (1 / six) * cross(e[0], e[1])};
 }
 
-TetOverlap overlap(const TetFrame& a, const TetFrame& b, bool with_moments) {
+TetOverlap overlap(const TetFrame& a, const TetFrame& b, Moments moments) {
   constexpr double kRounding = 1e-14;
   if (a.six == 0 || b.six == 0) return {};
   const std::array<Pack4, 4> in_b = coordinates(a.points, b);
@@ -136,13 +136,13 @@ TetOverlap overlap(const TetFrame& a, const TetFrame& b, bool with_moments) {
   for (std::size_t i = 0; i < parts.size; ++i) {
     const double volume = part_volume(parts.parts[i]);
     sum += volume;
-    if (with_moments) add_products(parts.parts[i], volume, products);
+    if (moments == Moments::computed) add_products(parts.parts[i], volume, products);
   }
   const double ratio = std::fabs(b.six / a.six);
   TetOverlap result;
   result.part = sum * ratio;
   if (sum < kRounding || result.part < kRounding) return {};
-  if (!with_moments) return result;
+  if (moments == Moments::omitted) return result;
   // Coordinates in `a` are linear in those in `b`: in_a has them at the corners.
   for (std::size_t i = 0; i < 4; ++i) {
     const Pack4 row =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "math/vec3.hpp"
 
@@ -30,8 +31,11 @@ struct TetFrame {
   explicit TetFrame(const TetPoints& of);
 };
 
+/// Whether TetOverlap::moments are computed, or left 0.
+enum class Moments : std::uint8_t { omitted, computed };
+
 /// Intersects two tetrahedra of any orientation by clipping `a` by the planes of `b`. Intersections below 1e-14 of
-/// either volume are rounding and count as empty. `with_moments` false leaves the moments 0.
-TetOverlap overlap(const TetFrame& a, const TetFrame& b, bool with_moments);
+/// either volume are rounding and count as empty.
+TetOverlap overlap(const TetFrame& a, const TetFrame& b, Moments moments);
 
 }  // namespace tetune

@@ -111,9 +111,10 @@ void measure_cover(const TransferMeshes& meshes, const std::vector<Index>& chang
     span_of(result.covered)[t] += span_of(result.volumes)[i] / span_of(result.old_volumes)[t];
   }
   std::optional<NearestEntry> nearest;
+  constexpr double kRounding = 1e-12;
   for (const Index t : changed) {
     const double missing = 1 - span_of(result.covered)[t];
-    if (missing > 1e-12) result.uncovered += missing * span_of(result.old_volumes)[t] / total;
+    if (missing > kRounding) result.uncovered += missing * span_of(result.old_volumes)[t] / total;
     if (span_of(result.covered)[t] > 0) continue;
     if (!nearest) nearest.emplace(meshes, result.tets);
     const Size near = nearest->of(t);
@@ -141,7 +142,7 @@ TransferMeshes::TransferMeshes(const TetMesh& input, const std::vector<VertexIds
   tet2same = find_unchanged(*this);
 }
 
-std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, bool with_moments,
+std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, Moments moments,
                                          const std::function<void(const std::vector<Index>&)>& begin,
                                          const OverlapVisitor& visit) {
   TetOverlaps result;
@@ -173,7 +174,7 @@ std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const Transfer
       tree.for_meeting(box_of(x.points), [&](Index item) {
         const Index old = span_of(changed)[item];
         if (meshes.regions[meshes.tet2original[t]] != meshes.regions[old]) return;
-        const TetOverlap common = overlap(x, span_of(frames)[item], with_moments);
+        const TetOverlap common = overlap(x, span_of(frames)[item], moments);
         if (common.part == 0) return;
         pairs.push_back({i, old, common.part * size});
         visit(i, old, common);

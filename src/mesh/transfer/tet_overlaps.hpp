@@ -19,7 +19,7 @@ struct TransferMeshes {
   std::vector<Vec3> old_points, new_points;
   Span<const std::array<Index, 4>> old_tets, new_tets;
   std::vector<Index> vertex2old;  ///< of the result to the input, of vertices at the place of one; else -1
-  /// Of unchanged tetrahedra of the result, with the same vertices at the same places, to the input; else -1.
+  /// Per tetrahedron of the result, the one of the input with the same vertices at the same places; -1: none.
   std::vector<Index> tet2same;
   Span<const int> regions;         ///< per tetrahedron of the input
   Span<const Index> tet2original;  ///< as of Report
@@ -56,7 +56,7 @@ using OverlapVisitor = std::function<void(Size, Index, const TetOverlap&)>;
 
 /// The result does not depend on the number of threads. `begin(tets)` is called once before the first visit. Nothing is
 /// returned once cpu.stop_requested(), which all threads call.
-std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, bool with_moments,
+std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const TransferMeshes& meshes, Moments moments,
                                          const std::function<void(const std::vector<Index>&)>& begin,
                                          const OverlapVisitor& visit);
 

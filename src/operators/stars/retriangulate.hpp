@@ -13,6 +13,15 @@ struct RetriangulationReport {
   Size others = 0;
 };
 
+/// A mesh with the data that follow it when vertices are inserted and removed.
+template <class Backend>
+struct EditableMesh {
+  WorkMesh<Backend>& mesh;
+  FlipState<Backend>& flips;
+  VertexDofs<Backend>& dofs;
+  BoundaryTriangles<Backend>* boundary = nullptr;  ///< null: no vertex of the surface is inserted or removed
+};
+
 struct RetriangulationLimits {
   /// Where the mesh would get more tetrahedra, the pass is repeated without insertion; where it would even then,
   /// nothing is changed.
@@ -28,18 +37,16 @@ struct RetriangulationLimits {
 /// (CompositeRemoval). With a finite `vertex_cost` it also proposes the retriangulation of a cavity around it from one
 /// of its vertices (CavityRetriangulation), and where it has an angle with a larger cost, the insertion of a vertex on
 /// each of its edges and inside it (VertexInsertion) and the contraction of each of its free vertices to each other
-/// (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a
-/// `boundary` (null: its vertices stay), vertices are inserted and removed there too (SurfaceInsertion,
-/// SurfaceContraction); the surface keeps its shape, or bends within kMaxBend where it may. Constrained edges stay as
-/// they are.
+/// (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a `boundary`, vertices
+/// are inserted and removed there too (SurfaceInsertion, SurfaceContraction); the surface keeps its shape, or bends
+/// within kMaxBend where it may. Constrained edges stay as they are.
 ///
 /// Inserted vertices take the ids from mesh.vertices() on; removed ones are in no tetrahedron afterwards. The
 /// vertex2original of both is kInserted or kRemoved. `dofs.active` is set for the vertices whose ring changed; the
 /// energies in `flips` stay up to date; the active set, rings and colors have to be built again.
 template <class Backend>
-RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
-                                          BoundaryTriangles<Backend>* boundary, Span<const Index> tets,
+RetriangulationReport retriangulate_worst(const Backend& backend, const EditableMesh<Backend>& editable,
+                                          const Criterion& criterion, Span<const Index> tets,
                                           const RetriangulationLimits& limits);
 
 }  // namespace tetune

@@ -26,11 +26,12 @@ inline constexpr int kSurfaceKeepingChoices =
 
 /// Room for inserted vertices in the arrays of all vertices.
 template <class Backend>
-VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, FlipState<Backend>& flips,
-                           VertexDofs<Backend>& dofs, Size count) {
+VertexArrays grow_vertices(const Backend& backend, const EditableMesh<Backend>& editable, Size count) {
+  WorkMesh<Backend>& mesh = editable.mesh;
+  VertexDofs<Backend>& dofs = editable.dofs;
   mesh.points.grow(backend, count);
   mesh.vertex2original.grow(backend, count);
-  flips.constrained_vertex.grow(backend, count);
+  editable.flips.constrained_vertex.grow(backend, count);
   dofs.dof.grow(backend, count);
   dofs.axis.grow(backend, count);
   dofs.active.grow(backend, count);
@@ -40,18 +41,21 @@ VertexArrays grow_vertices(const Backend& backend, WorkMesh<Backend>& mesh, Flip
           dofs.dof.span(),
           dofs.axis.span(),
           dofs.surface_point.span(),
-          flips.constrained_vertex.span(),
+          editable.flips.constrained_vertex.span(),
           dofs.displacement_bound.span()};
 }
 
 }  // namespace retriangulate_detail
 
 template <class Backend>
-RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                                          FlipState<Backend>& flips, VertexDofs<Backend>& dofs,
-                                          BoundaryTriangles<Backend>* boundary, Span<const Index> tets,
+RetriangulationReport retriangulate_worst(const Backend& backend, const EditableMesh<Backend>& editable,
+                                          const Criterion& criterion, Span<const Index> tets,
                                           const RetriangulationLimits& limits) {
   using namespace retriangulate_detail;
+  WorkMesh<Backend>& mesh = editable.mesh;
+  FlipState<Backend>& flips = editable.flips;
+  VertexDofs<Backend>& dofs = editable.dofs;
+  BoundaryTriangles<Backend>* const boundary = editable.boundary;
   const bool lowers_mean = limits.mean_energy > 0;
   const bool edits_vertices = lowers_mean || limits.vertex_cost < kInfeasible;
   const int first_choice = lowers_mean ? kFirstEdit : 0;
@@ -66,17 +70,17 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
                  dofs.surface_point.span()};
   }
   const Size count = choices * tets.size();
-  const StarContext context{rated(mesh, criterion),
-                            flips.constrained(),
-                            dofs.dof.span(),
-                            dofs.axis.span(),
-                            triangles,
-                            flips.max_ring,
-                            limits.vertex_cost,
-                            limits.min_gain,
-                            true,
-                            edits_vertices ? tets : Span<const Index>{},
-                            limits.mean_energy};
+  const StarContext context{.mesh = rated(mesh, criterion),
+                            .constrained = flips.constrained(),
+                            .dof = dofs.dof.span(),
+                            .axis = dofs.axis.span(),
+                            .surface = triangles,
+                            .max_ring = flips.max_ring,
+                            .vertex_cost = limits.vertex_cost,
+                            .min_gain = limits.min_gain,
+                            .inserts = true,
+                            .proposers = edits_vertices ? tets : Span<const Index>{},
+                            .mean_energy = limits.mean_energy};
   StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, first_choice, choices};
   BufferOf<Backend, MoveCosts> moves;
   if constexpr (Backend::kIsAsynchronous) {
@@ -97,7 +101,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, WorkMesh<Backe
   }
   if (selection.size() == 0 || !has_room()) return {};
   const ChangeCounts& total = selection.total;
-  const VertexArrays vertices = grow_vertices(backend, mesh, flips, dofs, mesh.vertices() + total.inserted);
+  const VertexArrays vertices = grow_vertices(backend, editable, mesh.vertices() + total.inserted);
   apply_selection(backend, mesh, criterion, flips, selection, dofs.active.span(), false, vertices);
   if (boundary != nullptr) replace_triangles(backend, selection, *boundary);
   return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};

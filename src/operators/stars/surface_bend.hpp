@@ -22,7 +22,7 @@ class SurfaceBend {
                                    const Vec3& x) const {
     return largest_of_sheets(replaced, [&](std::uint32_t& left) { return of_insertion(simplex, replaced, left, x); });
   }
-  /// Likewise after v has been contracted to another vertex of the triangles at it.
+  /// The bend after v has been contracted to another vertex of the triangles at it.
   TETUNE_HD double after_contraction(Index v, Index apex, const ReplacedTriangles& replaced) const {
     const Index end = line_end(v, apex, replaced);
     return largest_of_sheets(replaced,

@@ -18,10 +18,10 @@ class ProgressEstimate {
         tolerance_(tuning_of(options.effort).alternation.min_sweep_decrease),
         max_iterations_(std::max(1, options.max_iterations)) {
     const bool best = options.effort == Effort::best;
-    worst_begin_ = !improves_worst(options) ? 1 : best ? 0.35 : 0.95;
-    angles_begin_ = best ? worst_begin_ + 0.05 : 1;
-    restarts_begin_ = best ? worst_begin_ + 0.25 : 1;
-    polish_begin_ = best ? worst_begin_ + 0.6 : 1;
+    worst_begin_ = !improves_worst(options) ? 1 : best ? kBestWorstBegin : kWorstBegin;
+    angles_begin_ = best ? worst_begin_ + kWorstShare : 1;
+    restarts_begin_ = best ? worst_begin_ + (kWorstShare + kAnglesShare) : 1;
+    polish_begin_ = best ? worst_begin_ + (kWorstShare + kAnglesShare + kRestartsShare) : 1;
   }
 
   void finish_first_flips(int pass) {
@@ -50,10 +50,12 @@ class ProgressEstimate {
   double fraction() const { return fraction_; }
 
  private:
-  /// Measured shares of the time: of loading in the whole run, of the first flips in the alternation
-  /// (docs/command-line.md, "Progress").
+  /// Measured shares of the time (docs/command-line.md, "Progress"): of loading in the whole run, of the first flips in
+  /// the alternation, of what precedes the work on the worst elements, and of the phases after that with Effort::best.
   static constexpr double kLoadShare = 0.15;
   static constexpr double kFirstFlipsShare = 0.25;
+  static constexpr double kWorstBegin = 0.95, kBestWorstBegin = 0.35;
+  static constexpr double kWorstShare = 0.05, kAnglesShare = 0.2, kRestartsShare = 0.35;
 
   void raise_between(double begin, double end, int step, int steps) { raise_to(begin + (end - begin) * step / steps); }
   void raise_to(double fraction) { fraction_ = std::max(fraction_, std::min(fraction, 1.0)); }

@@ -16,6 +16,8 @@ struct HostWork : MeshSnapshot {
   std::vector<Vec3> axis;
   std::vector<SurfacePoint> surface_point;            ///< empty unless vertices slide
   std::vector<DisplacementBound> displacement_bound;  ///< empty: unbounded
+  std::vector<std::uint8_t> constrained_vertex;
+
   double max_deviation = 0;
   CheckedSurfaceOnHost checked;  ///< empty without a bound on the deviation
 
@@ -23,7 +25,6 @@ struct HostWork : MeshSnapshot {
   bool bends = false;
 
   std::vector<std::uint64_t> constrained_keys;
-  std::vector<std::uint8_t> constrained_vertex;
 
   ReferenceSurfaceOnHost reference;  ///< empty unless vertices slide
 
@@ -31,17 +32,31 @@ struct HostWork : MeshSnapshot {
   template <class Backend>
   explicit HostWork(const WorkingSet<Backend>& work)
       : MeshSnapshot(work.mesh),
-        dof(work.dofs.dof.download()),
-        axis(work.dofs.axis.download()),
-        surface_point(work.dofs.surface_point.download()),
-        displacement_bound(work.dofs.displacement_bound.download()),
         max_deviation(work.dofs.max_deviation),
         checked(work.dofs.checked.download()),
         triangles(work.boundary.triangles.download()),
         bends(work.boundary.bends),
         constrained_keys(work.flips.constrained_keys.download()),
-        constrained_vertex(work.flips.constrained_vertex.download()),
-        reference(work.dofs.reference.download()) {}
+        reference(work.dofs.reference.download()) {
+    for_each_dof_array(*this, work, [](auto& array, const auto& buffer) { array = buffer.download(); });
+  }
+
+  /// Calls f(array, buffer) for each array with an entry per vertex, and its buffer in a working set.
+  template <class Host, class Work, class F>
+  static void for_each_vertex_array(Host& host, Work& work, const F& f) {
+    f(host.points, work.mesh.points);
+    f(host.vertex2original, work.mesh.vertex2original);
+    for_each_dof_array(host, work, f);
+  }
+  /// Those of them that MeshSnapshot does not have.
+  template <class Host, class Work, class F>
+  static void for_each_dof_array(Host& host, Work& work, const F& f) {
+    f(host.dof, work.dofs.dof);
+    f(host.axis, work.dofs.axis);
+    f(host.surface_point, work.dofs.surface_point);
+    f(host.displacement_bound, work.dofs.displacement_bound);
+    f(host.constrained_vertex, work.flips.constrained_vertex);
+  }
 
   Size vertices() const { return std::ssize(points); }
   Size slots() const { return std::ssize(tet2vertex); }
@@ -57,15 +72,12 @@ struct HostWork : MeshSnapshot {
 template <class Backend>
 void upload_work(const Backend& backend, const HostWork& host, WorkingSet<Backend>& work) {
   host.upload(backend, work.mesh);
-  work.dofs.dof.upload(backend, host.dof);
-  work.dofs.axis.upload(backend, host.axis);
-  work.dofs.surface_point.upload(backend, host.surface_point);
-  work.dofs.displacement_bound.upload(backend, host.displacement_bound);
+  HostWork::for_each_dof_array(host, work,
+                               [&backend](const auto& array, auto& buffer) { buffer.upload(backend, array); });
   work.dofs.checked.upload(backend, host.checked);
   work.dofs.active.resize(backend, work.mesh.vertices());
   work.boundary.triangles.upload(backend, host.triangles);
   work.boundary.stale = true;
-  work.flips.constrained_vertex.upload(backend, host.constrained_vertex);
   work.flips.slack.resize(backend, work.mesh.slots());
   backend.fill(work.flips.slack.span(), kUnknownSlack);
 }

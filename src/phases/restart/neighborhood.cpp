@@ -2,6 +2,7 @@
 #include "phases/restart/neighborhood.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "mesh/sorted.hpp"
@@ -184,36 +185,24 @@ void Neighborhood::take_tets(const HostWork& whole) {
 }
 
 void Neighborhood::take_vertices(const HostWork& whole, const std::vector<FoundTets::Vertex>& found) {
-  std::vector<Point> points;
-  std::vector<Index> originals;
-  std::vector<VertexDof> dof;
-  std::vector<Vec3> axis;
-  std::vector<SurfacePoint> surface_point;
-  std::vector<DisplacementBound> bound;
-  std::vector<std::uint8_t> constrained;
   auto next = found.begin();
   for (const Index v : vertex2whole_) {
     const bool is_found = next != found.end() && next->vertex == v;
     ring_.push_back(is_found ? (next++)->ring : FoundTets::kNoRing);
-    const bool is_inside = ring_.back() != FoundTets::kNoRing;
-    points.push_back(span_of(whole.points)[v]);
-    originals.push_back(span_of(whole.vertex2original)[v]);
-    dof.push_back(is_inside ? span_of(whole.dof)[v] : VertexDof::fixed);
-    axis.push_back(span_of(whole.axis)[v]);
-    constrained.push_back(span_of(whole.constrained_vertex)[v]);
-    if (!whole.surface_point.empty()) surface_point.push_back(to_part(span_of(whole.surface_point)[v]));
-    if (!whole.displacement_bound.empty()) bound.push_back(span_of(whole.displacement_bound)[v]);
   }
-  work.mesh.points.upload(backend_, points);
-  work.mesh.vertex2original.upload(backend_, originals);
-  work.dofs.dof.upload(backend_, dof);
-  work.dofs.axis.upload(backend_, axis);
-  work.dofs.surface_point.upload(backend_, surface_point);
-  work.dofs.displacement_bound.upload(backend_, bound);
+  HostWork::for_each_vertex_array(whole, work, [this](const auto& array, auto& buffer) {
+    std::remove_cvref_t<decltype(array)> taken;
+    if (!array.empty()) {
+      taken.reserve(vertex2whole_.size());
+      for (std::size_t v = 0; v < vertex2whole_.size(); ++v) {
+        taken.push_back(vertex_to_part(span_of(array)[vertex2whole_[v]], Size(v)));
+      }
+    }
+    buffer.upload(backend_, taken);
+  });
   work.dofs.max_deviation = whole.max_deviation;
   work.dofs.active.resize(backend_, work.mesh.vertices());
   backend_.fill(work.dofs.active.span(), std::uint8_t{0});
-  work.flips.constrained_vertex.upload(backend_, constrained);
 }
 
 void Neighborhood::take_triangles(const HostWork& whole, const TrianglesByLowestVertex& triangles) {
@@ -260,37 +249,24 @@ void Neighborhood::put_back(HostWork& whole) {
 }
 
 void Neighborhood::put_vertices(HostWork& whole) {
+  Index vertices = to_index(whole.vertices());
+  for (Size v = std::ssize(vertex2whole_); v < work.mesh.vertices(); ++v) {
+    const bool is_removed = work.mesh.vertex2original.span()[v] == kRemoved;
+    vertex2whole_.push_back(is_removed ? -1 : vertices++);
+  }
+  HostWork::for_each_vertex_array(whole, work, [&](auto& array, const auto& buffer) {
+    if (array.empty()) return;
+    array.resize(to_size_t(vertices));
+    for (Size v = 0; v < work.mesh.vertices(); ++v) {
+      const Index to = span_of(vertex2whole_)[v];
+      if (to >= 0 && moves(v)) span_of(array)[to] = vertex_to_whole(buffer.span()[v]);
+    }
+  });
   for (Size v = 0; v < work.mesh.vertices(); ++v) {
-    if (!moves(v)) continue;
-    const Index original = work.mesh.vertex2original.span()[v];
-    if (v == std::ssize(vertex2whole_)) {
-      const bool is_removed = original == kRemoved;
-      vertex2whole_.push_back(is_removed ? -1 : to_index(whole.points.size()));
-      if (is_removed) continue;
-      whole.points.emplace_back();
-      whole.vertex2original.emplace_back();
-      whole.dof.emplace_back();
-      whole.axis.emplace_back();
-      whole.constrained_vertex.emplace_back();
-      if (!whole.surface_point.empty()) whole.surface_point.emplace_back();
-      if (!whole.displacement_bound.empty()) whole.displacement_bound.emplace_back();
-    }
     const Index to = span_of(vertex2whole_)[v];
-    span_of(whole.points)[to] = work.mesh.points.span()[v];
-    span_of(whole.vertex2original)[to] = original;
-    span_of(whole.dof)[to] = work.dofs.dof.span()[v];
-    span_of(whole.axis)[to] = work.dofs.axis.span()[v];
-    span_of(whole.constrained_vertex)[to] = work.flips.constrained_vertex.span()[v];
-    if (!whole.surface_point.empty()) {
-      span_of(whole.surface_point)[to] = to_whole(work.dofs.surface_point.span()[v]);
-    }
-    if (to < std::ssize(whole.checked.points)) {
-      span_of(whole.checked.points)[to] = work.dofs.checked.points.span()[v];
-      span_of(whole.checked.surface_points)[to] = to_whole(work.dofs.checked.surface_points.span()[v]);
-    }
-    if (!whole.displacement_bound.empty()) {
-      span_of(whole.displacement_bound)[to] = work.dofs.displacement_bound.span()[v];
-    }
+    if (to < 0 || to >= std::ssize(whole.checked.points) || !moves(v)) continue;
+    span_of(whole.checked.points)[to] = work.dofs.checked.points.span()[v];
+    span_of(whole.checked.surface_points)[to] = to_whole(work.dofs.checked.surface_points.span()[v]);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "backend/cpu.hpp"
@@ -63,6 +64,18 @@ class Neighborhood {
   /// Kind none where it was not taken.
   SurfacePoint to_part(const SurfacePoint& on) const;
   SurfacePoint to_whole(const SurfacePoint& on) const;
+  /// An entry of a vertex array of the whole as that of vertex v of the neighborhood, and back.
+  template <class T>
+  T vertex_to_part(const T& entry, Size v) const {
+    if constexpr (std::is_same_v<T, SurfacePoint>) return to_part(entry);
+    if constexpr (std::is_same_v<T, VertexDof>) return moves(v) ? entry : VertexDof::fixed;
+    return entry;
+  }
+  template <class T>
+  T vertex_to_whole(const T& entry) const {
+    if constexpr (std::is_same_v<T, SurfacePoint>) return to_whole(entry);
+    return entry;
+  }
 
   std::vector<Index> vertex2whole_, slot2whole_;
   std::vector<std::uint8_t> ring_;      ///< per vertex, as taken; kNoRing where it is fixed

@@ -35,9 +35,9 @@ class NeighborhoodFinder {
   /// Finds the tetrahedra that have a vertex in one of `rings` rings around the one in a slot.
   void find(Index slot, int rings);
   const std::vector<Index>& tets() const { return tets_; }
-  /// Whether one of these tetrahedra, or of the neighbors across their faces, is flagged.
+  /// Whether one of the tetrahedra that find() has found, or of the neighbors across their faces, is flagged.
   bool touches(const std::vector<std::uint8_t>& flags) const;
-  /// These tetrahedra and their vertices; the ring of those of the first tetrahedron is 0.
+  /// The tetrahedra that find() has found, and their vertices; the ring of those of the first tetrahedron is 0.
   FoundTets found() const;
 
  private:

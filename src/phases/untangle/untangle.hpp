@@ -84,7 +84,7 @@ Size untangle_by_continuation(Optimizer<Backend>& optimizer, const Positions<Bac
   criterion.objective.regularization = p.start;
   for (int i = 0; i < p.max_continuation_sweeps && tangled > 0; ++i) {
     work.dofs.active.assign(backend, region);
-    sweep<RegularizedRing>(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
+    sweep<RegularizedRing>(backend, work.mesh, criterion, work.movable_vertices(),
                            NewtonStep{p.relaxation, optimizer.tuning.relocation.min_gain}, SweepScope::selection);
     criterion.objective.regularization *= p.decay;
     tangled = activate_tangled(backend, work);
@@ -122,7 +122,7 @@ void run_rounds(Optimizer<Backend>& optimizer) {
     criterion.objective.regularization = p.regularizations[to_size_t(round) % p.regularizations.size()];
     for (int i = 0; i < p.max_sweeps && tangled > 0 && go_on; ++i) {
       flag_neighbors(backend, work.mesh, work.dofs.active.span());
-      sweep<RegularizedRing>(backend, work.mesh, criterion, work.rings.view(), work.coloring, work.dofs,
+      sweep<RegularizedRing>(backend, work.mesh, criterion, work.movable_vertices(),
                              NewtonStep{1, optimizer.tuning.relocation.min_gain}, SweepScope::selection);
       tangled = activate_tangled(backend, work);
       criterion.objective.regularization *= p.regularization_decay;
