@@ -151,8 +151,9 @@ TEST_F(Msh, SizesOf32BitsAreRead) {
   binary += raw(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0) + "\n$EndNodes\n$Elements\n";
   binary += raw(Short{1}, Short{1}, Short{1}, Short{1}, 3, 1, 4, Short{1}, Short{1}, Short{1}, Short{2}, Short{3});
   binary += raw(Short{4}) + "\n$EndElements\n";
-  const std::string text = "$MeshFormat\n4.1 0 4\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n"
-                           "0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
+  const std::string text =
+      "$MeshFormat\n4.1 0 4\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n"
+      "0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
   for (const std::string& file : {binary, text}) {
     const TetMesh m = read_mesh(put("a.msh", file), nullptr, 1);
     EXPECT_EQ(m.points, (std::vector<Point3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
