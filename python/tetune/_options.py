@@ -35,7 +35,7 @@ class Options(TypedDict, total=False):
     keep_vertices: bool
     """No vertex is inserted or removed, as effort=best and surface_vertices=edit do otherwise, and untangle=true in curved meshes. Default: False."""
     max_growth: float
-    """Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. A larger value allows insertion around more of the worst tetrahedra, at proportional cost. With untangle=true it limits splits of valid curved elements too, whatever the other options are. Default: 1.1."""
+    """Vertices are inserted while the ratio of the numbers of tetrahedra of result and input is below this. A larger value allows insertion around more of the worst tetrahedra, at proportional cost. Flips are not limited: in a mesh of a few dozen tetrahedra they may add one more. With untangle=true it limits splits of valid curved elements too, whatever the other options are. Default: 1.1."""
     surface_vertices: Literal["auto", "keep", "edit"]
     """Whether vertices of the surface and of interfaces are inserted and removed; auto: as edit with effort=best, else as keep; keep: none is inserted or removed; edit: vertices are inserted and removed, inside the mesh too; with boundary=preserve in flat parts of a patch and along straight feature lines, so that the surface keeps its shape; with boundary=slide on the input surface and its feature lines, and edges of the surface are flipped. Default: auto."""
     restarts: int
