@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Groups, names and entities of Gmsh's files.
+#include <algorithm>
 #include <set>
 
 #include "mesh_contents.hpp"
@@ -37,6 +38,27 @@ TEST_F(Msh, TagsOfOneGroupBecomeOneWithAWarning) {
   EXPECT_TRUE(contains(warnings[0], "the 2 tags of the group \"steel\" become one"));
   const TetMesh back = read_mesh(path("a.msh"), nullptr, 1);
   EXPECT_EQ(back.tet_tags, std::vector<int>(m.tets.size(), 1));
+}
+
+TEST_F(Msh, ATagOfTheNumberOfAnotherGroupDoesNotJoinIt) {
+  TetMesh m = cube(2, 0.1);
+  for (std::size_t t = 0; t < m.tets.size(); ++t) m.tet_tags[t] = t % 3 == 0 ? 3 : 2;
+  m.groups = {{3, 1, "wood", {}}, {3, 2, "steel", {3}}};
+  for (const std::string& dialect : kDialects) {
+    m.dialect = dialect;
+    std::vector<std::string> warnings;
+    write_mesh(path("a.msh"), m, 1, &warnings);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_TRUE(contains(warnings[0], "with the tag 2, which is in no group, get the tag 3"));
+    const TetMesh back = read_mesh(path("a.msh"), nullptr, 1);
+    TetMesh expected = m;
+    for (int& tag : expected.tet_tags) tag = tag == 3 ? 2 : 3;
+    EXPECT_EQ(tagged(back.tets, back.tet_tags), tagged(expected.tets, expected.tet_tags)) << dialect;
+    const auto steel =
+        std::find_if(back.groups.begin(), back.groups.end(), [](const Group& group) { return group.name == "steel"; });
+    ASSERT_NE(steel, back.groups.end()) << dialect;
+    EXPECT_EQ(steel->tags, std::vector<int>{2});
+  }
 }
 
 TEST_F(Msh, GroupsOfOtherProgramsThatShareAnEntity) {

@@ -105,18 +105,43 @@ std::vector<std::vector<int>> entities_of_tags(std::span<const MshKind> kinds, E
   return numbers;
 }
 
-/// The groups of an entity: those with its tag, or one of the number of the tag. A tag that came as the number of an
-/// entity is no group.
-std::vector<int> groups_of(const TetMesh& mesh, const MshLayoutEntity& entity) {
-  std::vector<int> groups;
-  for (const Group& group : mesh.groups) {
-    if (group.dimension != entity.dimension) continue;
-    const bool has = std::find(group.tags.begin(), group.tags.end(), entity.tag) != group.tags.end();
-    if (has) groups.push_back(group.number);
+/// The groups of the entities of one dimension: those with the tag of an entity, or one of the number of the tag. A tag
+/// that came as the number of an entity is no group.
+class GroupsOfTags {
+ public:
+  GroupsOfTags(const TetMesh& mesh, int dimension, const EntityTags& tags, const IoContext& context) {
+    std::set<int> taken;  // numbers of groups
+    for (const Group& group : mesh.groups) {
+      if (group.dimension != dimension) continue;
+      taken.insert(group.number);
+      for (const int tag : group.tags) tag2groups_[tag].push_back(group.number);
+    }
+    if (mesh.cell_tags_name == kMshEntityTags) return;
+    std::set<int> loose;
+    for (const auto& [number, tag] : tags) {
+      if (tag > 0 && !tag2groups_.contains(tag)) loose.insert(tag);
+    }
+    FreeNumbers free_numbers(taken);
+    for (const int tag : loose) {
+      if (free_numbers.take(tag)) tag2groups_[tag] = {tag};
+    }
+    for (const int tag : loose) {
+      if (tag2groups_.contains(tag)) continue;
+      tag2groups_[tag] = {free_numbers.take_lowest()};
+      context.warn("elements of dimension " + std::to_string(dimension) + " with the tag " + std::to_string(tag) +
+                   ", which is in no group, get the tag " + std::to_string(tag2groups_[tag][0]) +
+                   ": a group has the number " + std::to_string(tag));
+    }
   }
-  if (groups.empty() && entity.tag > 0 && mesh.cell_tags_name != kMshEntityTags) groups.push_back(entity.tag);
-  return groups;
-}
+
+  std::vector<int> of(int tag) const {
+    const auto found = tag2groups_.find(tag);
+    return found == tag2groups_.end() ? std::vector<int>() : found->second;
+  }
+
+ private:
+  std::map<int, std::vector<int>> tag2groups_;
+};
 
 /// Adds the periodic links of one dimension; returns the entities that only they name. Where the entities of the mesh
 /// have new numbers, the links are not kept.
@@ -170,13 +195,14 @@ void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, 
                                                 [](const MshKind& kind) { return !known_numbers(kind).empty(); });
   const std::set<int> linked = add_links(mesh, dimension, renumbered, tags, context, layout);
   for (const int number : linked) tags.emplace(number, 0);
+  const GroupsOfTags groups(mesh, dimension, tags, context);
   std::map<int, Index> positions;
   const std::size_t first = layout.entities.size();
   for (const auto& [number, tag] : tags) {
     positions[number] = to_index(layout.entities.size());
     MshLayoutEntity entity{dimension, number, tag};
     entity.has_elements = linked.count(number) == 0;
-    if (entity.has_elements) entity.groups = groups_of(mesh, entity);
+    if (entity.has_elements) entity.groups = groups.of(tag);
     if (entity.groups.empty() && tag < 0 && !mesh.cell_tags_name.starts_with("gmsh")) {
       context.warn("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
                    " with the tag " + std::to_string(tag) + " are entity " + std::to_string(number) + ", in no group");

@@ -25,13 +25,14 @@ class AsText {
 
 /// The name in the rest of the line: what is between quotation marks, or all of it where there are none.
 std::string read_name(MshSource& source) {
+  const TextCursor at_name = source.text();
   const std::string_view line = source.text().line();
   const std::size_t first = line.find('"');
   const std::size_t last = line.rfind('"');
   if (first != last) return std::string(line.substr(first + 1, last - first - 1));
   const std::string_view bare = trimmed(line);
   if (first != std::string_view::npos || bare.empty()) {
-    source.fail("expected a name in quotation marks, found \"" + printable(line.substr(0, 40)) + "\"");
+    at_name.fail("expected a name in quotation marks, found \"" + printable(line.substr(0, 40)) + "\"");
   }
   return std::string(bare);
 }
