@@ -5,8 +5,9 @@
 #include <optional>
 
 #include "backend/cpu.hpp"
-#include "io/inp/inp_combinations.hpp"
+#include "io/combinations.hpp"
 #include "io/inp/inp_scan.hpp"
+#include "io/inp/inp_tags.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/vertex_tets.hpp"
 #include "tetune/validate.hpp"

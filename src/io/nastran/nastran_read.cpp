@@ -22,9 +22,9 @@ namespace tetune {
 namespace {
 
 /// An element whose nodes are not resolved; they follow those of the one before in a common list.
-struct NastranFound {
+struct NastranElement {
   NastranPlace place;
-  const NastranElement* kind;
+  const NastranElementKind* kind;
   int number;
   int property;        ///< 0: it has none
   std::uint8_t nodes;  ///< that are listed: without the mid-side nodes where it has none
@@ -63,7 +63,7 @@ class NastranReader {
         cards_(
             path,
             [](const std::string& name) {
-              return name == "GRID" || name == "GRDSET" || find_nastran_element(name) != nullptr;
+              return name == "GRID" || name == "GRDSET" || find_nastran_element_kind(name) != nullptr;
             },
             [this](const NastranCard& card) { take(card); }) {}
 
@@ -75,7 +75,7 @@ class NastranReader {
     check_default_system();
     index_nodes();
     check_element_numbers();
-    for (const NastranFound& element : elements_) add(element);
+    for (const NastranElement& element : elements_) add(element);
     mesh_.point_tags.assign(mesh_.points.size(), 0);
     keep_numbers();
     try {
@@ -90,7 +90,7 @@ class NastranReader {
   }
 
  private:
-  using Role = NastranElement::Role;
+  using Role = NastranElementKind::Role;
   /// Of CTETRA.
   static constexpr std::size_t kMaxNodes = 10;
 
@@ -102,7 +102,7 @@ class NastranReader {
       default_system_ = system(card, card.field(1)).value_or(0);
       return;
     }
-    read_element(card, *find_nastran_element(card.name));
+    read_element(card, *find_nastran_element_kind(card.name));
   }
 
   [[noreturn]] void fail_field(const NastranCard& card, std::size_t k, const std::string& expected) const {
@@ -182,7 +182,7 @@ class NastranReader {
 
   // Elements.
 
-  void read_element(const NastranCard& card, const NastranElement& kind) {
+  void read_element(const NastranCard& card, const NastranElementKind& kind) {
     const int number = positive(card, 0, "the number of the element");
     const int property = card.field(1).empty() ? 0 : positive(card, 1, "the number of the property");
     ++(property == 0 ? without_property_ : with_property_)[kind.dimension()];
@@ -220,21 +220,21 @@ class NastranReader {
   void check_element_numbers() {
     std::vector<std::int64_t> numbers;
     numbers.reserve(elements_.size());
-    for (const NastranFound& element : elements_) numbers.push_back(element.number);
+    for (const NastranElement& element : elements_) numbers.push_back(element.number);
     const NumberIndex index(numbers);
     const std::vector<Index>& order = index.order();
     if (!order.empty()) is_renumbered_ = span_of(numbers)[order.back()] != std::ssize(numbers);
     if (index.repeated() < 0) return;
     for (std::size_t i = 1; i < order.size(); ++i) {
-      const NastranFound& a = span_of(elements_)[order[i - 1]];
-      const NastranFound& b = span_of(elements_)[order[i]];
+      const NastranElement& a = span_of(elements_)[order[i - 1]];
+      const NastranElement& b = span_of(elements_)[order[i]];
       if (a.number != b.number) continue;
       cards_.fail(b.place, "the element " + std::to_string(b.number) + " is also in " + cards_.text_of(a.place) +
                                "; give one of these elements another number");
     }
   }
 
-  Index vertex(const NastranFound& element, int number) const {
+  Index vertex(const NastranElement& element, int number) const {
     const Index rank = nodes_.rank(number);
     if (rank < 0) {
       cards_.fail(element.place, std::string(element.kind->card) + " " + std::to_string(element.number) + " has node " +
@@ -245,13 +245,13 @@ class NastranReader {
 
   /// An element without a property has that of its own number. Where no element of the dimension has one, as in files
   /// of meshes alone, they have no tag: each would be a region or patch of its own.
-  int tag_of(const NastranFound& element) const {
+  int tag_of(const NastranElement& element) const {
     if (element.property != 0) return element.property;
     return with_property_[element.kind->dimension()] > 0 ? element.number : 0;
   }
 
-  void add(const NastranFound& element) {
-    const NastranElement& kind = *element.kind;
+  void add(const NastranElement& element) {
+    const NastranElementKind& kind = *element.kind;
     const int tag = tag_of(element);
     std::array<Index, kMaxNodes> v;
     v.fill(-1);
@@ -299,7 +299,7 @@ class NastranReader {
     for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
     if (!middles_.empty()) {
       std::size_t node = 0;
-      for (const NastranFound& element : elements_) {
+      for (const NastranElement& element : elements_) {
         for (std::size_t k = 0; k < element.kind->vertices; ++k) {
           const int number = element_nodes_[node + k];
           if (span_of(is_middle)[vertex(element, number)] == 0) continue;
@@ -359,7 +359,7 @@ class NastranReader {
   NumberIndex nodes_;
   int default_system_ = 0;
   std::optional<NastranPlace> default_place_;  ///< of the first node in the default coordinate system
-  std::vector<NastranFound> elements_;
+  std::vector<NastranElement> elements_;
   std::vector<int> element_nodes_;  ///< 0: none
   std::size_t next_node_ = 0;
   std::vector<Middle> middles_;

@@ -65,12 +65,12 @@ class NastranWriter {
     // Without this comment in the first line pyNastran expects the statements of a whole deck.
     file_.write("$ pyNastran: punch=True\n$ tetune\n");
     write_nodes();
-    for (const NastranElement& kind : kNastranElements) write_elements(kind);
+    for (const NastranElementKind& kind : kNastranElementKinds) write_elements(kind);
     file_.write("ENDDATA\n");
   }
 
  private:
-  using Role = NastranElement::Role;
+  using Role = NastranElementKind::Role;
 
   // Numbers.
 
@@ -191,7 +191,7 @@ class NastranWriter {
     });
   }
 
-  void write_elements(const NastranElement& kind) {
+  void write_elements(const NastranElementKind& kind) {
     if (kind.card == "CROD") {
       return write_cards(kind.card, 1, 2, mesh_.edge_tags, [this](std::size_t e, std::array<Index, 10>& nodes) {
         std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
@@ -226,8 +226,8 @@ class NastranWriter {
 
 void write_nastran(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   for (const ElementBlock& block : mesh.others) {
-    const bool is_known = std::any_of(kNastranElements.begin(), kNastranElements.end(),
-                                      [&block](const NastranElement& e) { return e.block == block.kind; });
+    const bool is_known = std::any_of(kNastranElementKinds.begin(), kNastranElementKinds.end(),
+                                      [&block](const NastranElementKind& e) { return e.block == block.kind; });
     if (!is_known && block.kind != kPoints) throw FileError("Nastran has no elements of kind " + block.kind);
   }
   warn_of_losses_in_nastran(mesh, context);

@@ -147,13 +147,13 @@ class UnvParser {
       const std::vector<std::int64_t>& first = lines_.integers(line, has_bins ? 8 : 6, "an element");
       if (first[0] < 0) lines_.fail("the number of this element is negative");
       const std::int64_t descriptor = first[1], n = first.back();
-      UnvFound found{find_unv_element(descriptor),
-                     lines_.line(),
-                     first[0],
-                     model_.element_nodes.size(),
-                     as_int(first[has_bins ? 3U : 2U]),
-                     as_int(first[has_bins ? 5U : 3U]),
-                     0};
+      UnvElement found{find_unv_element_kind(descriptor),
+                       lines_.line(),
+                       first[0],
+                       model_.element_nodes.size(),
+                       as_int(first[has_bins ? 3U : 2U]),
+                       as_int(first[has_bins ? 5U : 3U]),
+                       0};
       if (n < 1) lines_.fail("this element should have nodes, and has " + std::to_string(n));
       if (found.kind != nullptr) check_size(*found.kind, descriptor, n);
       std::string_view nodes = lines_.further();
@@ -176,14 +176,14 @@ class UnvParser {
     lines_.fail("numbers of properties and materials are at most 2147483647, and this one is " +
                 std::to_string(number));
   }
-  void check_size(const UnvElement& kind, std::int64_t descriptor, std::int64_t n) const {
+  void check_size(const UnvElementKind& kind, std::int64_t descriptor, std::int64_t n) const {
     const std::string what = "this element with the FE descriptor " + std::to_string(descriptor);
-    if (kind.role == UnvElement::Role::unread || (kind.role == UnvElement::Role::other && n == kind.nodes)) {
+    if (kind.role == UnvElementKind::Role::unread || (kind.role == UnvElementKind::Role::other && n == kind.nodes)) {
       lines_.fail(what +
                   " has nodes on its edges; of second order tetune reads tetrahedra, triangles and beams alone. "
                   "Write the other elements with their vertices alone");
     }
-    if (n == kind.vertices || (n == kind.nodes && kind.role != UnvElement::Role::other)) return;
+    if (n == kind.vertices || (n == kind.nodes && kind.role != UnvElementKind::Role::other)) return;
     lines_.fail(what + " should have " + std::to_string(kind.vertices) + " nodes, and has " + std::to_string(n));
   }
   /// Some programs leave the line out.

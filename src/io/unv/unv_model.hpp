@@ -14,8 +14,8 @@
 namespace tetune {
 
 /// An element whose nodes are not resolved.
-struct UnvFound {
-  const UnvElement* kind;
+struct UnvElement {
+  const UnvElementKind* kind;
   std::int64_t line, number;
   std::size_t first_node;  ///< position in UnvModel::element_nodes
   int property, material;
@@ -33,7 +33,7 @@ struct UnvGroup {
 struct UnvModel {
   std::vector<std::int64_t> node_numbers, node_lines;
   std::vector<Point3> points;
-  std::vector<UnvFound> elements;
+  std::vector<UnvElement> elements;
   std::vector<std::int64_t> element_nodes;
   std::vector<UnvGroup> groups;
   bool has_groups_of_gmsh = false;  ///< in the data set that Gmsh writes

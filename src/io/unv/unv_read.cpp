@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "io/inp/inp_combinations.hpp"
+#include "io/combinations.hpp"
 #include "io/number_index.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
@@ -80,7 +80,7 @@ class UnvReader {
   }
 
  private:
-  using Role = UnvElement::Role;
+  using Role = UnvElementKind::Role;
   static constexpr std::size_t kMaxNodes = 10;
 
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
@@ -120,11 +120,11 @@ class UnvReader {
 
   /// Finds elements by number. One that occurs twice with the same nodes is one element.
   void index_elements() {
-    std::vector<UnvFound>& elements = model_.elements;
+    std::vector<UnvElement>& elements = model_.elements;
     std::vector<std::int64_t> numbers;
     const auto number_all = [&] {
       numbers.clear();
-      for (const UnvFound& element : elements) numbers.push_back(element.number);
+      for (const UnvElement& element : elements) numbers.push_back(element.number);
       elements_ = NumberIndex(numbers);
     };
     number_all();
@@ -134,15 +134,17 @@ class UnvReader {
     }
     if (elements_.repeated() < 0) return;
     for (std::size_t i = 1; i < order.size(); ++i) {
-      const UnvFound& a = span_of(elements)[order[i - 1]];
-      UnvFound& b = span_of(elements)[order[i]];
+      const UnvElement& a = span_of(elements)[order[i - 1]];
+      UnvElement& b = span_of(elements)[order[i]];
       if (a.number != b.number) continue;
-      const auto first = [&](const UnvFound& e) { return model_.element_nodes.begin() + std::ptrdiff_t(e.first_node); };
+      const auto first = [&](const UnvElement& e) {
+        return model_.element_nodes.begin() + std::ptrdiff_t(e.first_node);
+      };
       const bool is_same = a.kind == b.kind && a.nodes == b.nodes && std::equal(first(a), first(a) + a.nodes, first(b));
       if (!is_same) fail_repeated("element", b.number, a.line, b.line, "with other nodes");
       b.line = 0;
     }
-    std::erase_if(elements, [](const UnvFound& e) { return e.line == 0; });
+    std::erase_if(elements, [](const UnvElement& e) { return e.line == 0; });
     number_all();
   }
 
@@ -167,7 +169,7 @@ class UnvReader {
       if (is_empty) warn("the group \"" + group.name + "\" has no nodes and elements of the mesh; it is not kept");
     }
     for (std::size_t e = 0; e < combination.size(); ++e) {
-      const UnvFound& element = model_.elements[e];
+      const UnvElement& element = model_.elements[e];
       const std::array<Index, 3> key{element.kind->dimension, element.property, combination[e]};
       const auto [at, is_new] = key2class_.try_emplace(key, std::ssize(classes_));
       if (is_new) classes_.push_back({key[0], key[1], combinations.of(key[2])});
@@ -196,8 +198,8 @@ class UnvReader {
   }
 
   void add(std::size_t e) {
-    const UnvFound& element = model_.elements[e];
-    const UnvElement& kind = *element.kind;
+    const UnvElement& element = model_.elements[e];
+    const UnvElementKind& kind = *element.kind;
     const int tag = span_of(tags_)[element2class_[e]];
     std::array<Index, kMaxNodes> v{};
     for (std::size_t k = 0; k < element.nodes; ++k) {
@@ -270,7 +272,7 @@ class UnvReader {
   void keep_numbers() {
     std::vector<std::uint8_t> is_middle(mesh_.points.size(), 0);
     for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
-    for (const UnvFound& element : model_.elements) {
+    for (const UnvElement& element : model_.elements) {
       if (middles_.empty()) break;
       for (std::size_t k = 0; k < element.kind->vertices; ++k) {
         const std::size_t place = unv_place(element.kind->role, element.nodes, k);
@@ -314,8 +316,8 @@ class UnvReader {
       warn(std::to_string(missing_) + " entities of groups are nodes or elements that the mesh does not have");
     }
     // Those that are all equal, or that are written again, are no loss.
-    const auto differs = [this](const UnvFound& e) { return e.material != model_.elements[0].material; };
-    const auto is_other = [](const UnvFound& e) { return e.material != e.property; };
+    const auto differs = [this](const UnvElement& e) { return e.material != model_.elements[0].material; };
+    const auto is_other = [](const UnvElement& e) { return e.material != e.property; };
     const auto any = [this](const auto& is) { return std::any_of(model_.elements.begin(), model_.elements.end(), is); };
     if (any(differs) && any(is_other)) {
       warn("the numbers of materials of elements are not kept");

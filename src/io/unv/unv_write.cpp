@@ -71,7 +71,7 @@ class UnvWriter {
     }
     write_set("2411", [this] { write_nodes(); });
     write_set("2412", [this] {
-      for (const UnvElement& kind : kUnvElements) write_elements(kind);
+      for (const UnvElementKind& kind : kUnvElementKinds) write_elements(kind);
     });
     const std::vector<UnvWrittenGroup> groups = unv_groups_to_write(mesh_, properties_, context_);
     if (groups.empty()) return;
@@ -81,7 +81,7 @@ class UnvWriter {
   }
 
  private:
-  using Role = UnvElement::Role;
+  using Role = UnvElementKind::Role;
 
   /// Whether the groups are in the data set that Gmsh reads.
   bool is_of_gmsh() const { return mesh_.dialect.starts_with(std::string(kUnvDialect) + kUnvGroupsOfGmsh); }
@@ -170,7 +170,8 @@ class UnvWriter {
 
   /// Writes the elements with these tags; nodes_of(e, nodes) sets the n nodes of one, mid-side nodes last.
   template <class NodesOf>
-  void write_records_of(const UnvElement& kind, std::size_t n, const std::vector<int>& tags, const NodesOf& nodes_of) {
+  void write_records_of(const UnvElementKind& kind, std::size_t n, const std::vector<int>& tags,
+                        const NodesOf& nodes_of) {
     const std::map<int, int>& tag2number = properties_[kind.dimension];
     write_records(tags.size(), [&](std::string& text, std::size_t e) {
       append_integer(text, next_element_ + std::int64_t(e));
@@ -199,7 +200,7 @@ class UnvWriter {
     }
   }
   template <std::size_t N, std::size_t E>
-  void write_simplices(const UnvElement& kind, const std::vector<std::array<Index, N>>& elements,
+  void write_simplices(const UnvElementKind& kind, const std::vector<std::array<Index, N>>& elements,
                        const std::vector<int>& tags, const std::array<Pair, E>& edges) {
     const std::size_t n = N + (middles_ != nullptr ? E : 0);
     write_records_of(kind, n, tags, [&](std::size_t e, std::array<Index, 10>& nodes) {
@@ -214,7 +215,7 @@ class UnvWriter {
       }
     });
   }
-  void write_elements(const UnvElement& kind) {
+  void write_elements(const UnvElementKind& kind) {
     if (kind.role == Role::edge) return write_simplices(kind, mesh_.edges, mesh_.edge_tags, kEdgeEdges);
     if (kind.role == Role::triangle) {
       return write_simplices(kind, mesh_.triangles, mesh_.triangle_tags, kTriangleEdges);
@@ -284,8 +285,8 @@ std::string unv_length_unit(const TetMesh& mesh) {
 
 void write_unv(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   for (const ElementBlock& block : mesh.others) {
-    const bool is_known = std::any_of(kUnvElements.begin(), kUnvElements.end(),
-                                      [&block](const UnvElement& e) { return e.block == block.kind; });
+    const bool is_known = std::any_of(kUnvElementKinds.begin(), kUnvElementKinds.end(),
+                                      [&block](const UnvElementKind& e) { return e.block == block.kind; });
     if (!is_known && block.kind != kPoints) throw FileError("universal files have no elements of kind " + block.kind);
     if (block.kind == kPoints) warn_of_point_elements(context);
   }
