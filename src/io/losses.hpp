@@ -33,6 +33,9 @@ void warn_of_empty_groups(const TetMesh& mesh, const IoContext& context);
 /// Tags that share their only group, whose number becomes the tag of all.
 void warn_of_merged_tags(const Group& group, std::size_t tags, const IoContext& context);
 
+/// Throws FileError where a coordinate is infinite or no number, for which the format has no notation.
+void refuse_infinite_points(const TetMesh& mesh);
+
 /// The groups without elements.
 std::vector<const Group*> empty_groups(const TetMesh& mesh);
 

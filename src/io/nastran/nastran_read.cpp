@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/element_blocks.hpp"
 #include "io/nastran/nastran_cards.hpp"
 #include "io/nastran/nastran_elements.hpp"
 #include "io/nastran/nastran_fields.hpp"
+#include "io/node_numbers.hpp"
 #include "io/number_index.hpp"
+#include "io/plain_text.hpp"
 #include "io/real_field.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
@@ -41,18 +43,6 @@ bool names_entities(std::string_view card) {
   if (card.starts_with('C')) return true;
   return std::any_of(kStarts.begin(), kStarts.end(),
                      [card](std::string_view start) { return card.starts_with(start); });
-}
-
-/// Names with commas between them, of which the first eight are shown.
-template <class Names>
-std::string listed_names(const Names& names) {
-  constexpr std::size_t kMaxNames = 8;
-  std::string list;
-  std::size_t n = 0;
-  for (const auto& name : names) {
-    if (n++ < kMaxNames) list.append(list.empty() ? "" : ", ").append(name);
-  }
-  return n > kMaxNames ? list + " and " + std::to_string(n - kMaxNames) + " more" : list;
 }
 
 class NastranReader {
@@ -152,32 +142,12 @@ class NastranReader {
     if (default_system_ != 0 && default_place_) refuse_system(*default_place_, default_system_);
   }
 
-  /// Finds nodes by number, and erases those that occur twice at the same position.
   void index_nodes() {
-    nodes_ = NumberIndex(node_numbers_);
-    if (nodes_.repeated() < 0) return;
-    std::vector<std::uint8_t> is_copy(node_numbers_.size(), 0);
-    const std::vector<Index>& order = nodes_.order();
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      const Index a = order[i - 1], b = order[i];
-      const std::int64_t number = span_of(node_numbers_)[b];
-      if (span_of(node_numbers_)[a] != number) continue;
-      if (span_of(mesh_.points)[a] != span_of(mesh_.points)[b]) {
-        cards_.fail(span_of(node_places_)[b], "GRID " + std::to_string(number) + " is also in " +
-                                                  cards_.text_of(span_of(node_places_)[a]) +
-                                                  ", at another position; give one of these nodes another number");
-      }
-      span_of(is_copy)[b] = 1;
-    }
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < is_copy.size(); ++i) {
-      if (is_copy[i] != 0) continue;
-      mesh_.points[kept] = mesh_.points[i];
-      node_numbers_[kept++] = node_numbers_[i];
-    }
-    mesh_.points.resize(kept);
-    node_numbers_.resize(kept);
-    nodes_ = NumberIndex(node_numbers_);
+    nodes_ = merge_repeated_nodes(node_numbers_, mesh_.points, [this](Index first, Index second) {
+      cards_.fail(span_of(node_places_)[second], "GRID " + std::to_string(span_of(node_numbers_)[second]) +
+                                                     " is also in " + cards_.text_of(span_of(node_places_)[first]) +
+                                                     ", at another position; give one of these nodes another number");
+    });
   }
 
   // Elements.
@@ -274,13 +244,9 @@ class NastranReader {
       case Role::other:
         break;
     }
-    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
-                              [&kind](const ElementBlock& b) { return b.kind == kind.block; });
-    if (block == mesh_.others.end()) {
-      block = mesh_.others.insert(block, {std::string(kind.block), kind.vertices, {}, {}, {}});
-    }
-    block->element2vertex.insert(block->element2vertex.end(), v.begin(), v.begin() + kind.vertices);
-    block->tags.push_back(tag);
+    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices);
+    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
+    block.tags.push_back(tag);
   }
   template <std::size_t N>
   void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
@@ -320,21 +286,21 @@ class NastranReader {
   void warn_of_cards() const {
     if (cards_.has_control()) warn("the statements before BEGIN BULK are not kept");
     if (cards_.ignored().empty()) return;
-    warn("the cards " + listed_names(cards_.ignored()) + " are not kept");
+    warn("the cards " + listed_texts(cards_.ignored()) + " are not kept");
     std::vector<std::string> by_number;
     std::copy_if(cards_.ignored().begin(), cards_.ignored().end(), std::back_inserter(by_number), names_entities);
     if (by_number.empty()) return;
-    warn("of these, " + listed_names(by_number) +
+    warn("of these, " + listed_texts(by_number) +
          " may name nodes or elements by their numbers: vertices keep theirs in this format, but elements and " +
          "mid-side nodes get others");
   }
 
   void warn_of_elements() const {
     if (!rests_.empty()) {
-      warn("fields after the nodes or coordinates of " + listed_names(rests_) +
+      warn("fields after the nodes or coordinates of " + listed_texts(rests_) +
            " are not kept, such as orientations, offsets, thicknesses and constraints");
     }
-    if (!bars_.empty()) warn(listed_names(bars_) + " are read as edges, which are written as CROD");
+    if (!bars_.empty()) warn(listed_texts(bars_) + " are read as edges, which are written as CROD");
     for (std::size_t dimension = 1; dimension <= 3; ++dimension) {
       if (without_property_[dimension] == 0) continue;
       warn(std::to_string(without_property_[dimension]) + " elements of dimension " + std::to_string(dimension) +

@@ -88,9 +88,7 @@ class UnvGroupWriter {
 
   /// The group of that number and name, with its name as it is written.
   UnvWrittenGroup& group_of(int number, const std::string& name) {
-    std::string written(trimmed(name));
-    std::replace_if(
-        written.begin(), written.end(), [](char c) { return c >= '\0' && c < ' '; }, '?');
+    std::string written = without_control_characters(trimmed(name));
     const auto same = std::find_if(list_.begin(), list_.end(), [&](const UnvWrittenGroup& group) {
       return group.number == number && group.name == written;
     });

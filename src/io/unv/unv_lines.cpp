@@ -9,13 +9,11 @@
 
 #include "io/plain_text.hpp"
 #include "io/real_field.hpp"
+#include "io/unv/unv_format.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
-
-/// Integers have the format I10.
-constexpr std::size_t kIntegerWidth = 10;
 
 bool is_mark(std::string_view line) { return trimmed(line) == "-1"; }
 
@@ -134,12 +132,12 @@ const std::vector<std::string_view>& UnvLines::fields(std::string_view line,
 
 const std::vector<std::int64_t>& UnvLines::integers(std::string_view line) {
   split_at_blanks(line, fields_);
-  const bool touch =
-      std::any_of(fields_.begin(), fields_.end(), [](std::string_view field) { return field.size() > kIntegerWidth; });
+  const bool touch = std::any_of(fields_.begin(), fields_.end(),
+                                 [](std::string_view field) { return field.size() > kUnvIntegerWidth; });
   if (touch) {
     fields_.clear();
-    for (; !line.empty(); line.remove_prefix(std::min(kIntegerWidth, line.size()))) {
-      const std::string_view field = trimmed(line.substr(0, kIntegerWidth));
+    for (; !line.empty(); line.remove_prefix(std::min(kUnvIntegerWidth, line.size()))) {
+      const std::string_view field = trimmed(line.substr(0, kUnvIntegerWidth));
       if (!field.empty()) fields_.push_back(field);
     }
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 
 #include "io/plain_text.hpp"
 #include "io/unv/unv_format.hpp"
@@ -47,10 +48,10 @@ class UnvParser {
   /// the part.
   void read_nodes(bool is_single, bool has_definition) {
     for (std::string_view line; lines_.next(line);) {
-      constexpr std::size_t kInteger = 10, kSingle = 13, kDouble = 25;
       const std::vector<std::string_view>* fields =
-          &(is_single ? lines_.fields(line, {kInteger, kInteger, kInteger, kInteger, kSingle, kSingle, kSingle})
-                      : lines_.fields(line, {kInteger, kInteger, kInteger, kInteger}));
+          &(is_single ? lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth,
+                                             kUnvSingleWidth, kUnvSingleWidth, kUnvSingleWidth})
+                      : lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth}));
       const std::int64_t number = label((*fields)[0], "the number of a node");
       const std::int64_t system = lines_.integer((*fields)[1], "the number of a coordinate system");
       model_.node_numbers.push_back(number);
@@ -59,7 +60,7 @@ class UnvParser {
       ++use.nodes;
       std::size_t first = 4;
       if (!is_single) {
-        fields = &lines_.fields(lines_.further(), {kDouble, kDouble, kDouble});
+        fields = &lines_.fields(lines_.further(), {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth});
         first = 0;
       }
       Point3 p{};
@@ -91,8 +92,8 @@ class UnvParser {
       bool is_global = numbers[1] == 0;
       lines_.text();  // its name
       for (std::size_t row = 0; row < 4; ++row) {
-        constexpr std::size_t kDouble = 25;
-        const std::vector<std::string_view>& fields = lines_.fields(lines_.further(), {kDouble, kDouble, kDouble});
+        const std::vector<std::string_view>& fields =
+            lines_.fields(lines_.further(), {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth});
         for (std::size_t k = 0; k < 3; ++k) {
           is_global = lines_.real(fields[k], "a number of a matrix") == (k == row ? 1 : 0) && is_global;
         }
@@ -128,12 +129,10 @@ class UnvParser {
   /// Keeps the lines.
   void read_units() {
     const std::string_view first = lines_.further();
-    constexpr std::size_t kInteger = 10;
-    lines_.integer(trimmed(first.substr(0, kInteger)), "the number of a system of units");
+    lines_.integer(trimmed(first.substr(0, kUnvIntegerWidth)), "the number of a system of units");
     model_.units = printable(first) + '\n';
     for (std::string_view line; lines_.next(line);) {
-      constexpr std::size_t kDouble = 25;
-      for (const std::string_view field : lines_.fields(line, {kDouble, kDouble, kDouble})) {
+      for (const std::string_view field : lines_.fields(line, {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth})) {
         if (!field.empty()) lines_.real(field, "a factor of units");
       }
       model_.units += printable(line) + '\n';
@@ -219,7 +218,7 @@ class UnvParser {
       const std::int64_t entities = first.back();
       UnvGroup group{first[0], {}, {}, {}};
       if (group.number < 0 || entities < 0) lines_.fail("the number of a group, or that of its entities, is negative");
-      group.name = printable_name(trimmed(lines_.text()));
+      group.name = without_control_characters(trimmed(lines_.text()));
       for (std::int64_t read = 0; read < entities;) {
         const std::vector<std::int64_t>& numbers = lines_.integers(lines_.further());
         if (numbers.size() % size != 0) {
@@ -232,19 +231,11 @@ class UnvParser {
       model_.groups.push_back(std::move(group));
     }
   }
-  /// The name without control characters; others may be in any encoding.
-  static std::string printable_name(std::string_view text) {
-    std::string name(text);
-    std::replace_if(
-        name.begin(), name.end(), [](char c) { return c >= '\0' && c < ' '; }, '?');
-    return name;
-  }
   void add_member(UnvGroup& group, std::int64_t kind, std::int64_t number) {
-    constexpr std::int64_t kNode = 7, kElement = 8;
     if (number < 0) lines_.fail("the number of an entity is negative");
-    if (kind == kNode) {
+    if (kind == kUnvNode) {
       group.nodes.push_back(number);
-    } else if (kind == kElement) {
+    } else if (kind == kUnvElement) {
       group.elements.push_back(number);
     } else {
       ++model_.ignored_members;

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "io/combinations.hpp"
+#include "io/element_blocks.hpp"
+#include "io/node_numbers.hpp"
 #include "io/number_index.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "io/unv/unv_format.hpp"
@@ -20,7 +22,7 @@
 namespace tetune {
 namespace {
 
-/// What a data set that is not read has.
+/// The number of a data set that is not read, with its contents where these are known.
 std::string described_set(const std::string& number) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKnown{{{"18", "coordinate systems"},
                                                                                   {"55", "results"},
@@ -38,15 +40,6 @@ std::string described_set(const std::string& number) {
   const auto* const known =
       std::find_if(kKnown.begin(), kKnown.end(), [&](const auto& entry) { return entry.first == number; });
   return known == kKnown.end() ? number : number + " (" + std::string(known->second) + ")";
-}
-
-std::string listed_sets(const std::vector<std::string>& sets) {
-  constexpr std::size_t kMaxSets = 8;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(sets.size(), kMaxSets); ++i) {
-    list.append(i == 0 ? "" : ", ").append(described_set(sets[i]));
-  }
-  return sets.size() > kMaxSets ? list + " and " + std::to_string(sets.size() - kMaxSets) + " more" : list;
 }
 
 class UnvReader {
@@ -85,32 +78,12 @@ class UnvReader {
 
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
 
-  /// Finds nodes by number. One that occurs twice at the same position is one node.
   void index_nodes() {
-    std::vector<std::int64_t>& numbers = model_.node_numbers;
-    nodes_ = NumberIndex(numbers);
     mesh_.points = std::move(model_.points);
-    if (nodes_.repeated() < 0) return;
-    std::vector<std::uint8_t> is_copy(numbers.size(), 0);
-    const std::vector<Index>& order = nodes_.order();
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      const Index a = order[i - 1], b = order[i];
-      if (span_of(numbers)[a] != span_of(numbers)[b]) continue;
-      if (span_of(mesh_.points)[a] != span_of(mesh_.points)[b]) {
-        fail_repeated("node", span_of(numbers)[b], span_of(model_.node_lines)[a], span_of(model_.node_lines)[b],
-                      "at another position");
-      }
-      span_of(is_copy)[b] = 1;
-    }
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < is_copy.size(); ++i) {
-      if (is_copy[i] != 0) continue;
-      mesh_.points[kept] = mesh_.points[i];
-      numbers[kept++] = numbers[i];
-    }
-    mesh_.points.resize(kept);
-    numbers.resize(kept);
-    nodes_ = NumberIndex(numbers);
+    nodes_ = merge_repeated_nodes(model_.node_numbers, mesh_.points, [this](Index first, Index second) {
+      fail_repeated("node", span_of(model_.node_numbers)[second], span_of(model_.node_lines)[first],
+                    span_of(model_.node_lines)[second], "at another position");
+    });
   }
   [[noreturn]] void fail_repeated(const char* what, std::int64_t number, std::int64_t before, std::int64_t line,
                                   const char* how) const {
@@ -225,13 +198,9 @@ class UnvReader {
       default:
         break;
     }
-    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
-                              [&kind](const ElementBlock& b) { return b.kind == kind.block; });
-    if (block == mesh_.others.end()) {
-      block = mesh_.others.insert(block, {std::string(kind.block), kind.vertices, {}, {}, {}});
-    }
-    block->element2vertex.insert(block->element2vertex.end(), v.begin(), v.begin() + kind.vertices);
-    block->tags.push_back(tag);
+    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices);
+    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
+    block.tags.push_back(tag);
   }
   template <std::size_t N>
   void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
@@ -292,7 +261,9 @@ class UnvReader {
 
   void warn_of_contents() const {
     if (!model_.ignored_sets.empty()) {
-      warn("the data sets " + listed_sets(model_.ignored_sets) + " are not kept");
+      std::vector<std::string> sets;
+      for (const std::string& number : model_.ignored_sets) sets.push_back(described_set(number));
+      warn("the data sets " + listed_texts(sets) + " are not kept");
     }
     if (lines_.is_open()) warn("it does not end with -1 after the lines of a data set; the file may be cut short");
     if (!model_.ignored_elements.empty()) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/unv/unv_tags.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <set>
 #include <utility>
