@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the sets of elements of a deck to tags: each combination of them that occurs becomes a tag of its own.
+// The tags of tetrahedra by the sets of elements of a deck: each combination of sets that occurs has a tag of its own.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -180,7 +180,7 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
   for (const InpSet& set : model.sets) add_group(mesh, 2, set.name, tags_of_quads(set, model), "Surface");
 }
 
-/// Holds what other cards name by number.
+/// Holds the nodes and elements that other cards name by number.
 void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
   for (const std::int64_t label : scan.held_nodes) {
     if (const Index node = model.node(label); node >= 0) mesh.required_vertices.push_back(node);

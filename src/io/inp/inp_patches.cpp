@@ -129,7 +129,7 @@ class InpPatches {
     }
   }
 
-  /// Built for the first set that needs them.
+  /// The tetrahedra at each vertex, found for the first set that needs them.
   const VertexTets& vertex2tets() {
     if (!vertex2tets_) vertex2tets_.emplace(cpu_, mesh_);
     return *vertex2tets_;
@@ -266,7 +266,7 @@ class InpPatches {
     names_of_held_ += (names_of_held_.empty() ? "" : ", ") + set.name;
   }
 
-  // The result.
+  // Tags and triangles of the mesh.
 
   void list_triangles() {
     std::vector<std::string> group_names(model_.face_groups.size());

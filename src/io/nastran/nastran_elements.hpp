@@ -9,7 +9,7 @@
 
 namespace tetune {
 
-/// Numbers of nodes, elements and properties have at most 8 digits.
+/// The largest number of a node, element or property: they have at most 8 digits.
 inline constexpr int kMaxNastranNumber = 99'999'999;
 
 /// A card of elements. Its nodes follow the numbers of the element and of its property; mid-side nodes, which may be
@@ -30,7 +30,7 @@ struct NastranElementKind {
   }
 };
 
-/// In the order in which elements are written.
+/// All kinds, in the order in which elements are written.
 inline constexpr std::array<NastranElementKind, 13> kNastranElementKinds{{
     {"CROD", NastranElementKind::Role::edge, 2, 2},
     {"CBAR", NastranElementKind::Role::edge, 2, 2},
@@ -47,7 +47,7 @@ inline constexpr std::array<NastranElementKind, 13> kNastranElementKinds{{
     {"CHEXA", NastranElementKind::Role::other, 8, 20, "Hexahedra", true},
 }};
 
-/// Null for other cards.
+/// The kind of elements of a card; null for other cards.
 inline const NastranElementKind* find_nastran_element_kind(std::string_view card) {
   const auto* const found = std::find_if(kNastranElementKinds.begin(), kNastranElementKinds.end(),
                                          [card](const NastranElementKind& e) { return e.card == card; });

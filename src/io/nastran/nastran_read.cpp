@@ -81,7 +81,7 @@ class NastranReader {
 
  private:
   using Role = NastranElementKind::Role;
-  /// Of CTETRA.
+  /// The largest number of nodes of an element that is read, a CTETRA.
   static constexpr std::size_t kMaxNodes = 10;
 
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
@@ -180,7 +180,7 @@ class NastranReader {
                                 " has mid-side nodes; of second order tetune reads CTETRA and CTRIA6 alone. Write the "
                                 "other elements without mid-side nodes");
   }
-  /// Notes that a card has fields that are not kept.
+  /// Lists the card if it has fields that are not kept.
   void note_rest(const NastranCard& card, std::size_t from) {
     for (std::size_t k = from; k < card.fields.size(); ++k) {
       if (!card.fields[k].empty() && card.fields[k] != "0") rests_.insert(card.name);

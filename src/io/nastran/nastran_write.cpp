@@ -113,7 +113,7 @@ class NastranWriter {
     text += '\n';
   }
 
-  /// Writes the elements whose card this is; nodes_of(e, nodes) sets the nodes of one.
+  /// Writes the elements of a card; nodes_of(e, nodes) sets the nodes of one.
   template <class NodesOf>
   void write_cards(std::string_view card, std::size_t dimension, std::size_t n, const std::vector<int>& tags,
                    const NodesOf& nodes_of) {

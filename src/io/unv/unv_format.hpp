@@ -23,7 +23,7 @@ inline constexpr std::size_t kUnvIntegerWidth = 10, kUnvSingleWidth = 13, kUnvRe
 /// The codes of the entities of a group that are nodes and elements.
 inline constexpr std::int64_t kUnvNode = 7, kUnvElement = 8;
 
-/// The lines of units in TetMesh::dialect.
+/// The lines of units in TetMesh::dialect; empty for a mesh of another format.
 inline std::string_view unv_units(const TetMesh& mesh) {
   const std::string_view dialect = mesh.dialect;
   return dialect.starts_with(kUnvDialect) ? dialect.substr(dialect.find('\n') + 1) : std::string_view();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The data sets of universal files: the descriptions of I-deas, as the Structural Dynamics Research Laboratory of the
-// University of Cincinnati publishes them.
+// The data sets of universal files, by the descriptions of I-deas that the Structural Dynamics Research Laboratory of
+// the University of Cincinnati publishes.
 #include "io/unv/unv_model.hpp"
 
 #include <algorithm>
@@ -76,21 +76,21 @@ class UnvParser {
 
   // Coordinate systems.
 
-  /// Nodes that name a coordinate system.
+  /// The nodes that name a coordinate system.
   struct Use {
     std::int64_t line;  ///< of the first one
     std::size_t nodes;
   };
 
   void read_systems() {
-    lines_.integers(lines_.further());  // the part
-    lines_.text();                      // its name
+    lines_.integers(lines_.further());  // number of the part
+    lines_.text();                      // name of the part
     for (std::string_view line; lines_.next(line);) {
       const std::vector<std::int64_t>& numbers = lines_.integers(line);
       if (numbers.size() < 2) lines_.fail("a coordinate system should have a number, a kind and a color here");
       const std::int64_t number = numbers[0];
       bool is_global = numbers[1] == 0;
-      lines_.text();  // its name
+      lines_.text();  // name
       for (std::size_t row = 0; row < 4; ++row) {
         const std::vector<std::string_view>& fields =
             lines_.fields(lines_.further(), {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth});
@@ -101,7 +101,8 @@ class UnvParser {
       systems_[number] = is_global;
     }
   }
-  /// 0 and 1 are the global one in files that define none.
+  /// Refuses or warns of coordinate systems other than the global Cartesian one, which 0 and 1 are where the file does
+  /// not define them.
   void check_systems() const {
     std::string systems;
     std::size_t nodes = 0;
@@ -126,7 +127,7 @@ class UnvParser {
                         "as those of the part, as they are");
   }
 
-  /// Keeps the lines.
+  /// Checks the lines of the data set of units, and keeps them.
   void read_units() {
     const std::string_view first = lines_.further();
     lines_.integer(trimmed(first.substr(0, kUnvIntegerWidth)), "the number of a system of units");
@@ -157,7 +158,7 @@ class UnvParser {
       if (found.kind != nullptr) check_size(*found.kind, descriptor, n);
       std::string_view nodes = lines_.further();
       if (descriptor <= kMaxUnvBeam && has_beam_line(nodes, n)) {
-        note_section(nodes);
+        count_section(nodes);
         nodes = lines_.further();
       }
       read_nodes_of_element(nodes, n, found.kind != nullptr);
@@ -185,13 +186,13 @@ class UnvParser {
     if (n == kind.vertices || (n == kind.nodes && kind.role != UnvElementKind::Role::other)) return;
     lines_.fail(what + " should have " + std::to_string(kind.vertices) + " nodes, and has " + std::to_string(n));
   }
-  /// Some programs leave the line out.
+  /// Whether a line after the first of a beam is that of its orientation, which some programs leave out.
   bool has_beam_line(std::string_view line, std::int64_t n) {
     const std::int64_t size = std::ssize(lines_.integers(line));
     return size != n || (size == 3 && lines_.size_of_next() == 3);
   }
-  /// The orientation and the cross sections of a beam.
-  void note_section(std::string_view line) {
+  /// Counts beams with an orientation or cross sections, which are not kept.
+  void count_section(std::string_view line) {
     const std::vector<std::int64_t>& numbers = lines_.integers(line);
     if (std::any_of(numbers.begin(), numbers.end(), [](std::int64_t k) { return k > 1; })) {
       ++model_.beams_with_sections;
@@ -211,7 +212,7 @@ class UnvParser {
 
   // Groups.
 
-  /// `size`: how many numbers an entity has, of which the first two are its kind and its number.
+  /// Reads groups whose entities have `size` integers each: first a kind and a number.
   void read_groups(std::size_t size) {
     for (std::string_view line; lines_.next(line);) {
       const std::vector<std::int64_t>& first = lines_.integers(line, 8, "a group");
@@ -246,8 +247,8 @@ class UnvParser {
   std::vector<std::string>& warnings_;
   UnvModel model_;
   std::set<std::string> names_;
-  std::array<std::map<std::int64_t, Use>, 2> uses_;  ///< by coordinate system: of the part, and of definition
-  std::map<std::int64_t, bool> systems_;             ///< whether it is the global one
+  std::array<std::map<std::int64_t, Use>, 2> uses_;  ///< by coordinate system: of the part (0), of definition (1)
+  std::map<std::int64_t, bool> systems_;             ///< whether a defined system is the global one
 };
 
 }  // namespace

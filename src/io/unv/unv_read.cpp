@@ -91,7 +91,7 @@ class UnvReader {
                              std::to_string(before) + ", " + how + "; give one of them another number");
   }
 
-  /// Finds elements by number. One that occurs twice with the same nodes is one element.
+  /// Erases each element that repeats the number and the nodes of one before it.
   void index_elements() {
     std::vector<UnvElement>& elements = model_.elements;
     std::vector<std::int64_t> numbers;
@@ -121,7 +121,7 @@ class UnvReader {
     number_all();
   }
 
-  /// The class of each element, by the groups that it is in.
+  /// Finds the class of each element, by the groups that it is in, and the tag of each class.
   void find_classes() {
     Combinations<Index> combinations;
     std::vector<Index> combination(model_.elements.size(), 0);
@@ -255,7 +255,7 @@ class UnvReader {
     for (std::size_t i = 0; i < is_middle.size(); ++i) {
       if (is_middle[i] == 0) mesh_.deck_nodes.push_back(model_.node_numbers[i]);
     }
-    // 0 stands for inserted vertices.
+    // TetMesh::deck_nodes has 0 for inserted vertices, so that it cannot hold a node of this number.
     if (nodes_.rank(0) >= 0) mesh_.deck_nodes.clear();
   }
 
@@ -286,7 +286,7 @@ class UnvReader {
     if (missing_ > 0) {
       warn(std::to_string(missing_) + " entities of groups are nodes or elements that the mesh does not have");
     }
-    // Those that are all equal, or that are written again, are no loss.
+    // Numbers of materials that are all equal, or those of the properties, which are written again, are no loss.
     const auto differs = [this](const UnvElement& e) { return e.material != model_.elements[0].material; };
     const auto is_other = [](const UnvElement& e) { return e.material != e.property; };
     const auto any = [this](const auto& is) { return std::any_of(model_.elements.begin(), model_.elements.end(), is); };

@@ -73,7 +73,7 @@ class UnvWriter {
  private:
   using Role = UnvElementKind::Role;
 
-  /// Whether the groups are in the data set that Gmsh reads.
+  /// Whether the groups are to be in the data set that Gmsh reads.
   bool is_of_gmsh() const { return mesh_.dialect.starts_with(std::string(kUnvDialect) + kUnvGroupsOfGmsh); }
 
   void check_size() const {
@@ -100,7 +100,7 @@ class UnvWriter {
   void number_properties() {
     const std::array<std::set<int>, 4> tags = tags_by_dimension(mesh_);
     for (std::size_t dimension = 1; dimension <= 3; ++dimension) {
-      // 0 stands for no property as well.
+      // The tag 0 stands for no tag, and the number 0 for no property.
       std::set<int> numbered = tags[dimension];
       numbered.erase(0);
       std::map<int, int>& tag2number = properties_[dimension];
@@ -123,7 +123,7 @@ class UnvWriter {
     });
   }
 
-  /// Writes the elements with these tags; nodes_of(e, nodes) sets the n nodes of one, mid-side nodes last.
+  /// Writes elements of a kind, one per tag; nodes_of(e, nodes) sets the n nodes of one, mid-side nodes last.
   template <class NodesOf>
   void write_records_of(const UnvElementKind& kind, std::size_t n, const std::vector<int>& tags,
                         const NodesOf& nodes_of) {
@@ -188,7 +188,7 @@ class UnvWriter {
   // Groups.
 
   void write_group(const UnvWrittenGroup& group) {
-    std::vector<std::pair<std::int64_t, std::int64_t>> entities;  // kinds and numbers
+    std::vector<std::pair<std::int64_t, std::int64_t>> entities;  // codes and numbers
     if (group.in_set != nullptr) {
       for (std::size_t v = 0; v < group.in_set->size(); ++v) {
         if ((*group.in_set)[v] != 0) entities.emplace_back(kUnvNode, node_numbers_[v]);
