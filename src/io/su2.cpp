@@ -126,7 +126,9 @@ class Su2Reader {
   std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, kMaxTets); }
   Index vertex() {
     const std::int64_t v = cursor_.integer("point number");
-    if (v < 0 || v > std::numeric_limits<Index>::max()) cursor_.fail("point number out of range");
+    if (v < 0 || v > std::numeric_limits<Index>::max()) {
+      cursor_.fail("point number out of range: " + std::to_string(v) + "; numbers count from 0");
+    }
     return Index(v);
   }
 

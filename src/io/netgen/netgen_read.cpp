@@ -118,7 +118,7 @@ class NetgenReader {
   }
   Index vertex() {
     const int v = integer("point number");
-    if (v < 1) cursor_.fail("point number out of range");
+    if (v < 1) cursor_.fail("point number out of range: " + std::to_string(v) + "; numbers count from 1");
     return v - 1;
   }
   std::vector<Index> vertices(int n) {
