@@ -20,7 +20,7 @@ struct tetune_report {
   tetune::Report report;
 };
 
-/// Shared by the files of the C interface: from C++ exceptions to statuses.
+/// The conversion of C++ exceptions to statuses, shared by the files of the C interface.
 namespace tetune::c {
 
 /// An error of the caller, which no exception of the library names.

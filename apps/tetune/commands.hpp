@@ -5,7 +5,7 @@
 
 namespace tetune::cli {
 
-/// Each adds its subcommand; the callback stores the ExitCode.
+/// Each of these functions adds a subcommand, whose callback stores the ExitCode.
 void add_optimize(CLI::App& app, int& exit_code);
 void add_convert(CLI::App& app, int& exit_code);
 void add_move(CLI::App& app, int& exit_code);

@@ -43,7 +43,7 @@ nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryMatch& ma
 
 /// The numbers of vertices that were moved onto the geometry, and the distances from it.
 std::string geometry_summary(const Geometry& geometry, const GeometryReport& report);
-/// Without its Report.
+/// The report on a geometry without its Report.
 nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryReport& report);
 
 }  // namespace tetune::cli

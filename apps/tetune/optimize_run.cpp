@@ -226,7 +226,7 @@ class Run {
     write_beside_mesh(job_.map, map_text(report_, input_.mesh.points.size(), input_.mesh.tets.size()));
   }
 
-  /// The mesh is written already.
+  /// Writes a text beside the mesh, which is written already.
   void write_beside_mesh(const std::string& path, const std::string& text) {
     try {
       write_text(path, text);
@@ -236,7 +236,7 @@ class Run {
     }
   }
 
-  /// False where --only-below has left nothing to do.
+  /// Whether there was something to do, as --only-below may leave nothing.
   bool has_worked() const { return options_.only_below.empty() || report_.tets_active > 0; }
   bool has_changed() const { return has_worked() && (options_.only_below.empty() || report_.unchanged.empty()); }
   bool stopped() const { return report_.stop == StopReason::cancelled; }
@@ -254,7 +254,9 @@ class Run {
                                            : "done";
     std::optional<Comparison> change;
     if (original_ && !stopped()) {
-      // It takes long. A bound is tested at all points; otherwise it must not take longer than the optimization.
+      // Measuring the distances takes long. A bound is tested at all points; otherwise a part of them is measured, so
+      // that
+      // it takes no longer than the optimization.
       constexpr std::int64_t kMaxSamples = 25'000;
       const bool at_all = options_.max_deviation > 0 && input_.mesh.curved_edges.empty();
       change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);

@@ -16,7 +16,7 @@ nlohmann::ordered_json to_json(const Report& report);
 nlohmann::ordered_json to_json(const TargetReport& report);
 nlohmann::ordered_json to_json(const ValidationReport& report);
 nlohmann::ordered_json to_json(const AcceptanceReport& report);
-/// Without its Report.
+/// The report on criteria without its Report.
 nlohmann::ordered_json to_json(const CriteriaReport& report);
 nlohmann::ordered_json counts_json(const TetMesh& mesh);
 /// Warnings of lists that the result lacks, of a mesh that was left as it is, and of point data, except for the

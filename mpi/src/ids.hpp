@@ -31,7 +31,7 @@ int int_size(const List& list) {
 }
 inline Index to_index(std::size_t i) { return static_cast<Index>(i); }
 
-/// From ids of the whole mesh to indices of a part.
+/// The map from ids of the whole mesh to indices of a part.
 class IdMap {
  public:
   IdMap() : slots_(16) {}

@@ -68,10 +68,10 @@ Part extract(Part& part, const Marks& marked);
 /// Adds another part; entities that both have are kept once.
 void merge(Part& part, const Part& other);
 
-/// 1 for each vertex on the surface of the mesh or between two regions.
+/// Flags: 1 for each vertex on the surface of the mesh or between two regions.
 Marks on_surface(const TetMesh& mesh);
 
-/// 1 for the vertices of on_surface(), of lists and of frozen regions: all that may be constrained.
+/// Flags: 1 for the vertices of on_surface(), of lists and of frozen regions: all that may be constrained.
 Marks held_vertices(const TetMesh& mesh, const std::vector<int>& frozen_regions);
 
 /// The entities of a part and the rank that each is sent to when tetrahedron t goes to rank `tet_to[t]`: vertices,
@@ -82,7 +82,7 @@ struct Addressed {
 };
 Addressed address(const Part& part, const std::vector<int>& tet_to, int self);
 
-/// 1 for each triangle, or edge, that one of the tetrahedra has. `vertices`: the number of vertices.
+/// Flags: 1 for each triangle, or edge, that one of the tetrahedra has. `vertices`: the number of vertices.
 Marks are_in(const std::vector<std::array<Index, 3>>& triangles, const std::vector<std::array<Index, 4>>& tets,
              std::size_t vertices);
 Marks are_in(const std::vector<std::array<Index, 2>>& edges, const std::vector<std::array<Index, 4>>& tets,

@@ -23,7 +23,7 @@
 namespace tetune::mpi {
 namespace {
 
-/// PETSc's tetrahedra have the opposite orientation.
+/// Reverses cells: PETSc's tetrahedra have the opposite orientation.
 template <class Cells>
 void reverse(Cells& cells) {
   for (auto& tet : cells) std::swap(tet[2], tet[3]);

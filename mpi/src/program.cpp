@@ -36,7 +36,7 @@ double peak_mb() {
   return double(usage.ru_maxrss) / 1024;
 }
 
-/// tetune-mpi has no --untangle.
+/// Messages count from 1, and advise to untangle by tetune, as tetune-mpi has no --untangle.
 constexpr MessageForm kForm{true, "untangle them (tetune optimize --untangle)"};
 
 class Program {

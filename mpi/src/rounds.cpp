@@ -83,7 +83,7 @@ class Rounds {
     }
   }
 
-  /// A tag that no rank has is an error.
+  /// Throws OptionError for a tag that no rank has.
   void check_frozen(std::vector<int>& wanted, const std::vector<int>& tags, const char* option, const char* kind) {
     if (wanted.empty()) return;
     const std::set<int> present(tags.begin(), tags.end());

@@ -14,7 +14,7 @@ inline constexpr const char* kGeometrical = "gmsh:geometrical";
 
 /// Gmsh's numbers of the element types that tetune reads.
 inline constexpr int kEdge = 1, kTriangle = 2, kTet = 4, kEdge3 = 8, kTriangle6 = 9, kTet10 = 11;
-/// In the order of kElementKinds.
+/// Gmsh's numbers of the types of other elements, in the order of kElementKinds.
 inline constexpr std::array<int, 5> kOtherTypes{15, 3, 7, 6, 5};
 
 /// Reads the model that Gmsh has opened.

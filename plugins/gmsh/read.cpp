@@ -14,7 +14,7 @@
 namespace tetune::plugin {
 namespace {
 
-/// From Gmsh's numbers, which may have gaps, to indices.
+/// The map from Gmsh's numbers, which may have gaps, to indices.
 class Numbers {
  public:
   explicit Numbers(std::vector<std::size_t> sorted) : sorted_(std::move(sorted)) {}

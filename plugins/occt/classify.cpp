@@ -144,7 +144,7 @@ class Classifier {
   /// A surface of the mesh's file: the faces that all its triangles are near, with the sum of distances of vertices.
   struct FileSurface {
     std::vector<Score> scores;
-    double radii = 0;  ///< likewise
+    double radii = 0;  ///< sum of the radii of the same vertices
   };
 
   /// The faces that all vertices of a triangle are near, with the sum of their distances.

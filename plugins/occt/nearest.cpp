@@ -78,7 +78,8 @@ Step step_of(const gp_Pnt& from, const gp_Vec& r, const gp_Vec& du, const gp_Vec
   return step;
 }
 
-/// Without second derivatives, which is as good near the surface: errors decrease by the distance times the curvature.
+/// The step of the method of Gauss and Newton, without second derivatives, which is as good near the surface: errors
+/// decrease by the distance times the curvature.
 Step gauss_newton_step(const BRepAdaptor_Surface& s, const gp_Pnt& p, double u, double v) {
   gp_Pnt c;
   gp_Vec du, dv;

@@ -117,7 +117,7 @@ class ExodusReader {
     blocks_.push_back(block);
   }
 
-  /// Groups have positive numbers, and 0 is no tag.
+  /// Returns the tag of a block or set: groups have positive numbers, and 0 is no tag.
   int tag_of(int id, const std::string& what) {
     if (id > 0) return id;
     const int tag = free_numbers_.take_lowest();
@@ -126,7 +126,7 @@ class ExodusReader {
     return tag;
   }
 
-  /// Blocks and sets of one name are one group.
+  /// Adds a tag to the group of its name: blocks and sets of one name are one group.
   void add_group(int dimension, int tag, const std::string& name) {
     for (Group& group : mesh_.groups) {
       if (group.dimension != dimension || group.name != name || (name.empty() && group.number != tag)) continue;
@@ -172,7 +172,7 @@ class ExodusReader {
     for (std::size_t e = 0; e < N; ++e) middles_.push_back({v[corners + e], {v[edges[e][0]], v[edges[e][1]]}});
   }
 
-  /// Sides of tetrahedra become listed triangles.
+  /// Reads a side set, whose sides of tetrahedra become listed triangles.
   void read_side_set(int id) {
     std::int64_t n = 0;
     const std::vector<int> entries = read_set(EX_SIDE_SET, id, n);
@@ -260,7 +260,8 @@ class ExodusReader {
     return names;
   }
 
-  /// Three variables name_X, name_Y, name_Z in a row are a vector, unless there is a variable with its name.
+  /// Joins variables: three variables name_X, name_Y, name_Z in sequence are a vector, unless there is a variable with
+  /// its name.
   static void join_vectors(std::vector<DataArray>& data) {
     for (std::size_t i = 0; i + 2 < data.size(); ++i) {
       const std::string& first = data[i].name;

@@ -161,7 +161,7 @@ class Writer {
     return sets;
   }
 
-  /// Exodus' numbers are positive.
+  /// Returns the number of a tag in Exodus, where numbers are positive.
   int renumber(int tag, FreeNumbers& free_numbers, std::map<int, int>& renumbered, const char* what) {
     const auto [at, fresh] = renumbered.try_emplace(tag, 0);
     if (fresh) {
@@ -191,7 +191,7 @@ class Writer {
     }
   }
 
-  /// Several blocks or sets may have the name of one group.
+  /// Chooses names of blocks and sets, of which several may have the name of one group.
   void choose_names() {
     bool is_shared = false;
     for (int dimension = 0; dimension <= 3; ++dimension) {

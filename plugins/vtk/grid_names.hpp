@@ -11,7 +11,7 @@
 /// The types of cells and the names of arrays that reading and writing share.
 namespace tetune::plugin {
 
-/// In the order of kElementKinds.
+/// VTK's types of other elements, in the order of kElementKinds.
 inline constexpr std::array<int, 5> kOtherTypes{VTK_VERTEX, VTK_QUAD, VTK_PYRAMID, VTK_WEDGE, VTK_HEXAHEDRON};
 inline constexpr const char* kOwnTags = "medit:ref";
 

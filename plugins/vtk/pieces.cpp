@@ -100,7 +100,7 @@ std::vector<Value> gathered(const std::vector<Value>& values, const std::vector<
   return result;
 }
 
-/// What merge_points() keeps: per vertex the point whose data it has; and per point its vertex.
+/// The points that merge_points() keeps: per vertex the point whose data it has; and per point its vertex.
 struct MergedPoints {
   std::vector<vtkIdType> vertex2point;
   std::vector<Index> point2vertex;

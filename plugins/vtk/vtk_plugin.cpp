@@ -82,7 +82,7 @@ TetMesh read_legacy(const std::string& file, const Messages& messages, Warnings&
   return from_grid(reader->GetOutput(), Pieces::one, warnings);
 }
 
-/// False when it failed.
+/// Writes a grid to a file; returns false where the writer failed.
 template <class Writer>
 bool write_by(Writer& writer) {
   errno = 0;

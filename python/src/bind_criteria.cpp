@@ -17,7 +17,7 @@
 namespace tetune::python {
 namespace {
 
-/// From {"mean_ratio": {"warn": 0.2, "fail": 0.05, "allowed_percent": 0.1}}.
+/// The criteria of a dict {"mean_ratio": {"warn": 0.2, "fail": 0.05, "allowed_percent": 0.1}}.
 AcceptanceCriteria parse_criteria(const nb::dict& given) {
   AcceptanceCriteria criteria{"criteria", {}};
   for (const auto& [key, value] : given) {
@@ -46,7 +46,7 @@ AcceptanceCriteria parse_criteria(const nb::dict& given) {
   return criteria;
 }
 
-/// From a dict, or from the name of a preset or a file.
+/// The criteria of a dict, or of the name of a preset or a file.
 AcceptanceCriteria criteria_of(const nb::object& given) {
   if (nb::isinstance<nb::dict>(given)) return parse_criteria(nb::borrow<nb::dict>(given));
   return cli::read_criteria(nb::cast<std::string>(nb::str(given)));

@@ -254,8 +254,8 @@ class Sheets {
     return offset_on_sheet(edge, corners[0]);
   }
 
-  /// From the midpoint of an edge to the middle of the cubic that leaves both ends in their tangent planes (the edge
-  /// curve of PN triangles: Vlachos et al. 2001).
+  /// The vector from the midpoint of an edge to the middle of the cubic that leaves both ends in their tangent planes
+  /// (the edge curve of PN triangles: Vlachos et al. 2001).
   Vec3 offset_on_sheet(const Edge& edge, Index corner) const {
     const Vec3 d = at(edge[1]) - at(edge[0]);
     const Vec3& n = normal_at(corner, edge[0]);
@@ -272,8 +272,9 @@ class Sheets {
     return turns ? std::optional<Index>() : to;
   }
 
-  /// From the midpoint of an edge of a feature line to the point of the polynomial through its vertices and those
-  /// before and behind it, over the length of the chords. A single edge has the least offset that both sheets have.
+  /// The vector from the midpoint of an edge of a feature line to the point of the polynomial through its vertices and
+  /// those before and behind it, over the length of the chords. A single edge has the least offset that both sheets
+  /// have.
   Vec3 offset_on_line(const Edge& edge, const std::vector<Index>& corners) const {
     const Vec3 p = at(edge[0]);
     const Vec3 q = at(edge[1]);

@@ -20,7 +20,7 @@ inline constexpr std::size_t kAutoTets = 500000;
 /// The properties of the system that the CUDA runtime reports.
 struct CudaSystem {
   int driver = 0;     ///< newest CUDA version that the driver knows, as 1000 major + 10 minor; 0: no driver
-  int runtime = 0;    ///< CUDA version of this build, likewise
+  int runtime = 0;    ///< CUDA version of this build, in the same notation
   std::string error;  ///< empty: none
   int devices = 0;
 };
@@ -44,7 +44,7 @@ template <class Backend>
 Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options, const Context& context,
                    SlideSurface* surface = nullptr, MoveJob* job = nullptr);
 
-/// optimize_on() the device that the options choose, after a check of the options.
+/// Checks the options, and calls optimize_on() on the device that they choose.
 Report run_on_device(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
                      MoveJob* job);
 
@@ -54,7 +54,7 @@ std::size_t device_memory(const TetMesh& mesh, const Options& options, const Mov
 /// Returns the reason why optimize_on_cuda() would refuse a mesh that needs `memory` bytes; empty if it would not.
 std::string why_not_on_cuda(std::size_t memory);
 
-/// optimize_on() the calling thread's current NVIDIA GPU. Throws DeviceError.
+/// optimize_on() on the calling thread's current NVIDIA GPU. Throws DeviceError.
 Report optimize_on_cuda(TetMesh& mesh, const Options& options, const Context& context, SlideSurface* surface,
                         MoveJob* job);
 

@@ -8,9 +8,9 @@
 
 namespace tetune {
 
-/// When a conservative transfer that begins now is given up: a stop is requested, and it has taken as long as the run
-/// before it, which began at `start`. So a run takes at most about twice its time limit. `stop` must outlive the
-/// result.
+/// The condition to give up a conservative transfer that begins now: a stop is requested, and it has taken as long as
+/// the run before it, which began at `start`. So a run takes at most about twice its time limit. `stop` must outlive
+/// the result.
 inline std::function<bool()> transfer_stop(const std::function<bool()>& stop,
                                            PhaseTimer::SteadyClock::time_point start) {
   if (!stop) return {};

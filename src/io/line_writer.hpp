@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <functional>
@@ -30,6 +31,27 @@ void write_in_ranges(const backend::Cpu& cpu, Size n, Size per_range, const Form
     });
     for (Size r = 0; r < count; ++r) write(range[r]);
   }
+}
+
+/// Appends a text, or an integer, at the right of `width` columns.
+inline void append_right(std::string& line, std::string_view text, std::size_t width) {
+  line.append(width - std::min(width, text.size()), ' ').append(text);
+}
+inline void append_right(std::string& line, std::int64_t number, std::size_t width) {
+  std::array<char, 24> digits;
+  const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+  append_right(line, std::string_view(digits.data(), std::size_t(end - digits.data())), width);
+}
+
+/// Writes n records of one or several lines, formatted in parallel; put(text, i) appends record i.
+template <class Put>
+void write_records(FileWriter& file, const backend::Cpu& cpu, std::size_t n, const Put& put) {
+  constexpr Size kRecordsPerRange = 1 << 14;
+  const auto format = [&put](std::string& text, Size begin, Size end) {
+    text.clear();
+    for (Size i = begin; i < end; ++i) put(text, to_size_t(i));
+  };
+  write_in_ranges(cpu, Size(n), kRecordsPerRange, format, [&file](const std::string& text) { file.write(text); });
 }
 
 /// Writes lines of numbers, real ones with the shortest digits that read back to the same bits.

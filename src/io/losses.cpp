@@ -2,12 +2,15 @@
 #include "io/losses.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <set>
 #include <string>
-#include <utility>
 
-#include "mesh/element_kinds.hpp"
+#include "backend/span.hpp"
+#include "io/tag_numbers.hpp"
 #include "mesh/node_sets.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
 
@@ -86,23 +89,22 @@ void warn_of_merged_tags(const Group& group, std::size_t tags, const IoContext& 
                "\" become one: the number of their group");
 }
 
-std::vector<const Group*> empty_groups(const TetMesh& mesh) {
-  std::set<std::pair<int, int>> in_use;  // dimensions and tags
-  const auto add = [&in_use](int dimension, const std::vector<int>& tags) {
-    for (std::size_t i = 0; i < tags.size(); ++i) {
-      if (i == 0 || tags[i] != tags[i - 1]) in_use.emplace(dimension, tags[i]);
-    }
+void refuse_infinite_points(const TetMesh& mesh) {
+  const auto is_infinite = [](const Point3& p) {
+    return !std::all_of(p.begin(), p.end(), [](double x) { return std::isfinite(x); });
   };
-  add(3, mesh.tet_tags);
-  add(2, mesh.triangle_tags);
-  add(1, mesh.edge_tags);
-  for (const ElementBlock& block : mesh.others) {
-    const ElementKind* const kind = find_element_kind(block.kind);
-    if (kind != nullptr) add(kind->dimension, block.tags);
-  }
+  const auto point = std::find_if(mesh.points.begin(), mesh.points.end(), is_infinite);
+  if (point == mesh.points.end()) return;
+  throw FileError("node " + std::to_string(point - mesh.points.begin() + 1) +
+                  ", counted from 1: a coordinate is not finite; the format has no notation for it: repair the mesh");
+}
+
+std::vector<const Group*> empty_groups(const TetMesh& mesh) {
+  const std::array<std::set<int>, 4> in_use = tags_by_dimension(mesh);
   std::vector<const Group*> empty;
   for (const Group& group : mesh.groups) {
-    const auto has_element = [&](int tag) { return in_use.contains({group.dimension, tag}); };
+    const bool is_known = group.dimension >= 0 && group.dimension < std::ssize(in_use);
+    const auto has_element = [&](int tag) { return is_known && in_use[to_size_t(group.dimension)].contains(tag); };
     if (std::none_of(group.tags.begin(), group.tags.end(), has_element)) empty.push_back(&group);
   }
   return empty;

@@ -12,26 +12,29 @@ namespace tetune {
 
 /// Whether a tag is not 0.
 bool has_tag(const std::vector<int>& tags);
-/// Lists of corners, ridges and required entities.
+/// Warns of lists of corners, ridges and required entities.
 void warn_of_lists(const TetMesh& mesh, const IoContext& context);
-/// Tags of vertices.
+/// Warns of tags of vertices.
 void warn_of_point_tags(const TetMesh& mesh, const IoContext& context);
-/// The data of any entity, except for those of a name that the format has room for.
+/// Warns of the data of any entity, except for those of a name that the format has room for.
 void warn_of_data(const TetMesh& mesh, const IoContext& context, const char* kept = nullptr);
-/// The data of any entity, except for sets of nodes.
+/// Warns of the data of any entity, except for sets of nodes.
 void warn_of_data_but_node_sets(const TetMesh& mesh, const IoContext& context);
-/// The names of groups.
+/// Warns of names of groups.
 void warn_of_names(const TetMesh& mesh, const IoContext& context);
-/// Elements of one vertex.
+/// Warns of elements of one vertex.
 void warn_of_point_elements(const IoContext& context);
-/// Names of elements that are in several groups, where a format has one name per element.
+/// Warns of elements that are in several groups, where a format has one name per element.
 void warn_of_shared_names(const IoContext& context);
-/// A named group without elements.
+/// Warns of a named group without elements.
 void warn_of_empty_group(const Group& group, const IoContext& context);
-/// The named groups without elements.
+/// Warns of all named groups without elements.
 void warn_of_empty_groups(const TetMesh& mesh, const IoContext& context);
-/// Tags that share their only group, whose number becomes the tag of all.
+/// Warns of tags that share their only group, whose number becomes the tag of all.
 void warn_of_merged_tags(const Group& group, std::size_t tags, const IoContext& context);
+
+/// Throws FileError where a coordinate is infinite or no number, for which the format has no notation.
+void refuse_infinite_points(const TetMesh& mesh);
 
 /// The groups without elements.
 std::vector<const Group*> empty_groups(const TetMesh& mesh);

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <string>
 
-#include "io/number_index.hpp"
+#include "backend/span.hpp"
 
 namespace tetune {
 
@@ -27,6 +27,29 @@ std::vector<std::int64_t> numbers_of_nodes(const TetMesh& mesh, std::size_t vert
                " digits or occur twice: the nodes are numbered from 1");
   for (std::size_t v = 0; v < numbers.size(); ++v) numbers[v] = std::int64_t(v) + 1;
   return numbers;
+}
+
+NumberIndex merge_repeated_nodes(std::vector<std::int64_t>& numbers, std::vector<Point3>& points,
+                                 const std::function<void(Index first, Index second)>& fail) {
+  NumberIndex index(numbers);
+  if (index.repeated() < 0) return index;
+  std::vector<std::uint8_t> is_copy(numbers.size(), 0);
+  const std::vector<Index>& order = index.order();
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const Index a = order[i - 1], b = order[i];
+    if (span_of(numbers)[a] != span_of(numbers)[b]) continue;
+    if (span_of(points)[a] != span_of(points)[b]) fail(a, b);
+    span_of(is_copy)[b] = 1;
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < is_copy.size(); ++i) {
+    if (is_copy[i] != 0) continue;
+    points[kept] = points[i];
+    numbers[kept++] = numbers[i];
+  }
+  points.resize(kept);
+  numbers.resize(kept);
+  return NumberIndex(numbers);
 }
 
 }  // namespace tetune

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "io/io_context.hpp"
+#include "io/number_index.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune {
@@ -15,5 +17,10 @@ namespace tetune {
 /// nodes are numbered from 1, with a warning.
 std::vector<std::int64_t> numbers_of_nodes(const TetMesh& mesh, std::size_t vertices, std::int64_t max,
                                            const IoContext& context);
+
+/// Indexes the nodes of a file by their numbers, and erases each node that repeats the number and the position of one
+/// before it. Calls fail(first, second), which throws, for nodes of one number at different positions.
+NumberIndex merge_repeated_nodes(std::vector<std::int64_t>& numbers, std::vector<Point3>& points,
+                                 const std::function<void(Index first, Index second)>& fail);
 
 }  // namespace tetune

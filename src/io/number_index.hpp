@@ -31,7 +31,7 @@ class NumberIndex {
   std::vector<Index> order_;
   std::int64_t first_ = 0, repeated_ = -1;
   std::vector<Index> table_;          ///< rank by number, from first_; empty where the numbers are sparse
-  std::vector<std::int64_t> sorted_;  ///< otherwise
+  std::vector<std::int64_t> sorted_;  ///< the numbers in ascending order where they are sparse
 };
 
 }  // namespace tetune

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
-/// ASCII text of files, whatever the locale.
+/// ASCII text of files, in which the locale has no part.
 namespace tetune {
 
 inline char in_upper_case(char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; }
@@ -29,6 +30,26 @@ inline std::string printable(std::string_view text) {
   std::replace_if(
       shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return shown;
+}
+
+/// Text without control characters, which are replaced; other bytes stay, in any encoding.
+inline std::string without_control_characters(std::string_view text) {
+  std::string result(text);
+  std::replace_if(
+      result.begin(), result.end(), [](char c) { return c >= '\0' && c < ' '; }, '?');
+  return result;
+}
+
+/// Texts with commas between them, of which the first eight are listed and the others counted.
+template <class Texts>
+std::string listed_texts(const Texts& texts) {
+  constexpr std::size_t kMaxListed = 8;
+  std::string list;
+  std::size_t n = 0;
+  for (const auto& text : texts) {
+    if (n++ < kMaxListed) list.append(list.empty() ? "" : ", ").append(text);
+  }
+  return n > kMaxListed ? list + " and " + std::to_string(n - kMaxListed) + " more" : list;
 }
 
 }  // namespace tetune

@@ -39,11 +39,11 @@ struct Format {
   /// The plugin of a format without functions.
   const Plugin* plugin = nullptr;
   bool plugin_writes = true;
-  /// Some builds of the plugin's library do not have the format.
+  /// Whether some builds of the plugin's library lack the format.
   bool is_optional = false;
-  /// A mesh is written to files of all the endings.
+  /// Whether a mesh is written to a set of files, with these endings.
   bool is_set = false;
-  /// A file may have values for several times, of one mesh.
+  /// Whether a file may have values for several times, of one mesh.
   bool has_times = false;
   /// The files that a file names and that are read with it; null: none.
   std::vector<std::string> (*parts)(const std::string& path) = nullptr;

@@ -46,7 +46,8 @@ std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const st
   for (const auto& [edge, node] : nodes) {
     if (edge == last || std::exchange(span_of(taken)[node], std::uint8_t{1}) != 0) {
       throw FileError("node " + std::to_string(node + 1) +
-                      " is a mid-side node of two edges, or one of two nodes of the same edge; repair the second-order "
+                      " is a mid-side node of two edges, or one of two nodes of the same edge (nodes are counted from "
+                      "1); repair the second-order "
                       "elements in the program that made them");
     }
     last = edge;
@@ -125,8 +126,8 @@ std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
     for (const Index v : std::span(ids, n)) {
       if (v < 0 || to_size_t(v) >= old2new.size()) throw FileError("an element has a node that does not exist");
       if (span_of(old2new)[v] >= 0) continue;
-      throw FileError("node " + std::to_string(v) +
-                      ", counted from 0, is in the middle of one element's edge and a vertex of another element; give "
+      throw FileError("node " + std::to_string(v + 1) +
+                      ", counted from 1, is in the middle of one element's edge and a vertex of another element; give "
                       "all tetrahedra the same order");
     }
   };

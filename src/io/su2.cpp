@@ -9,6 +9,7 @@
 
 #include "backend/span.hpp"
 #include "io/checked_count.hpp"
+#include "io/element_blocks.hpp"
 #include "io/group_order.hpp"
 #include "io/line_writer.hpp"
 #include "io/losses.hpp"
@@ -125,7 +126,9 @@ class Su2Reader {
   std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, kMaxTets); }
   Index vertex() {
     const std::int64_t v = cursor_.integer("point number");
-    if (v < 0 || v > std::numeric_limits<Index>::max()) cursor_.fail("point number out of range");
+    if (v < 0 || v > std::numeric_limits<Index>::max()) {
+      cursor_.fail("point number out of range: " + std::to_string(v) + "; numbers count from 0");
+    }
     return Index(v);
   }
 
@@ -163,11 +166,9 @@ class Su2Reader {
       cursor_.fail("elements of type " + std::to_string(type) + " cannot be " +
                    (list == Su2List::marker ? "in a marker" : "solids"));
     }
-    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
-                              [&kind](const ElementBlock& b) { return b.kind == kind->kind; });
-    if (block == mesh_.others.end()) block = mesh_.others.insert(block, {kind->kind, kind->vertices, {}, {}, {}});
-    for (int k = 0; k < kind->vertices; ++k) block->element2vertex.push_back(vertex());
-    block->tags.push_back(list == Su2List::marker ? marker_ : 0);
+    ElementBlock& block = element_block(mesh_, kind->kind, kind->vertices);
+    for (int k = 0; k < kind->vertices; ++k) block.element2vertex.push_back(vertex());
+    block.tags.push_back(list == Su2List::marker ? marker_ : 0);
   }
 
   void read_marker() {

@@ -134,7 +134,7 @@ class CheckedMesh {
     }
   }
 
-  /// Has the exact sign, and the nearest size in the range of normal doubles.
+  /// The volume, with its exact sign and the nearest size in the range of normal doubles.
   double volume(const TetShape& shape, Size t) const {
     const int sign = span_of(signs_)[t];
     if (sign == 0) return 0;
@@ -161,13 +161,13 @@ class CheckedMesh {
     return quality;
   }
 
-  /// Away from the vertex opposite the face, whatever the orientation.
+  /// The normal of a face that points away from the vertex opposite it, whatever the orientation.
   static Vec3 outward_normal(const TetShape& s, int f) {
     const Vec3 n = s.n[f];
     return dot(n, s.p[face_vertex(f, 0)] - s.p[f]) < 0 ? -1.0 * n : n;
   }
 
-  /// A face between two tetrahedra is counted by the one of smaller id.
+  /// Counts the value of a face, unless it is counted by the tetrahedron across, that of smaller id.
   void add_face(const CriterionCounter& counter, CheckMeasure measure, const TetShape& s, Size t, int f,
                 CriterionSums& sums) const {
     const HalfFace other = across(t, f);

@@ -31,7 +31,7 @@ std::uint64_t hash_of(const Vec3& p) {
   for (const double x : {p.x, p.y, p.z}) hash = mix_bits(hash + std::bit_cast<std::uint64_t>(x + 0.0));
   return hash;
 }
-/// Does not depend on the order of the vertices.
+/// The hash of a triangle, which does not depend on the order of its vertices.
 std::uint64_t hash_of(const TrianglePoints& t) { return mix_bits(hash_of(t[0]) + hash_of(t[1]) + hash_of(t[2])); }
 
 /// Samples with the hash of the vertex or triangle that each is of.
@@ -80,7 +80,7 @@ class MarkedHashes {
       : mask_(std::bit_ceil(2 * hashes.size() + 1) - 1), slots_(mask_ + 1, kEmpty), marks_(mask_ + 1, 0) {
     for (const std::uint64_t hash : hashes) slots_[slot_of(hash)] = hash;
   }
-  /// May be called concurrently.
+  /// Marks a hash of the set if it is in it. May be called concurrently.
   void mark(std::uint64_t hash) {
     const std::size_t slot = slot_of(hash);
     if (slots_[slot] == hash) backend::store_shared(marks_[slot], std::uint8_t{1});

@@ -49,7 +49,7 @@ ExitStatus run_program(const std::string& program, const std::vector<std::string
 /// writes a byte back when it is done. It ends when the input does, which the destructor waits for.
 class ChildProcess {
  public:
-  /// As run_program(). Throws FileError.
+  /// Starts a program, with arguments as for run_program(). Throws FileError where it cannot be started.
   ChildProcess(const std::string& program, const std::vector<std::string>& arguments, const MemoryFile& channel,
                int child_descriptor);
   ~ChildProcess();

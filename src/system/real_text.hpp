@@ -10,12 +10,12 @@
 /// before 20).
 namespace tetune {
 
-/// In terms of strtod() and snprintf(), which round correctly in the C libraries of use, in the locale "C". The text of
-/// a number is the same as that of the standard library.
+/// The replacement in terms of strtod() and snprintf(), which round correctly in the C libraries of use, in the locale
+/// "C". The text of a number is the same as that of the standard library.
 namespace plain {
 std::from_chars_result parse_real(const char* first, const char* last, double& value);
 std::to_chars_result print_real(char* first, char* last, double value);
-/// `digits` after the point; negative: the fewest that read back to the same bits.
+/// `digits` is the number of digits after the point; if negative, the fewest that read back to the same bits.
 std::to_chars_result print_real(char* first, char* last, double value, std::chars_format format, int digits = -1);
 }  // namespace plain
 

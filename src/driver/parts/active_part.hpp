@@ -47,7 +47,8 @@ struct ActivePart {
   std::vector<Index> vertex2whole, tet2whole, triangle2whole, edge2whole;
   /// Whether a listed triangle stays although the result of the part lacks it: an element outside the part has it.
   std::vector<std::uint8_t> triangle_stays;
-  /// Whether a listed edge does: it constrains, or an element outside the part has it (lasting_edges()).
+  /// Whether a listed edge stays although the result of the part lacks it: it constrains, or an element outside the
+  /// part has it (lasting_edges()).
   std::vector<std::uint8_t> edge_stays;
   bool is_moved = false;  ///< its vertices followed targets
 };

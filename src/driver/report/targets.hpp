@@ -45,7 +45,7 @@ Options follow_vertices(Options options, const std::vector<Index>& vertex2origin
 Options options_for_result(const Options& options, const std::vector<Index>& vertex2original);
 /// One report per entry of Options::targets, with the mesh's own numbers of tetrahedra.
 std::vector<TargetReport> report_targets(const ImportedMesh& imported, const Options& options);
-/// Same, for a result and the caller's options.
+/// report_targets() of a result, with the caller's options.
 std::vector<TargetReport> report_targets(const TetMesh& result, const Options& options,
                                          const std::vector<Index>& vertex2original);
 

@@ -23,7 +23,7 @@ struct NodeValue {
   ValueFields values;
   Index line = -1;  ///< of the condition; -1: one that is appended
 };
-/// By a component, a degree of freedom, or a text in the place of these, as "ENCASTRE".
+/// The values of a node by component or degree of freedom, or by a text in the place of these, as "ENCASTRE".
 using NodeValues = std::map<std::string, NodeValue>;
 
 /// The last degree of freedom that a line can name; larger numbers are kept as text.
@@ -45,7 +45,7 @@ ValueFields fields_from(const std::vector<std::string_view>& fields, std::size_t
 class InpConditionReader {
  public:
   explicit InpConditionReader(ConditionKind kind) : kind_(kind) {}
-  /// Calls take(key, values) for what a line gives.
+  /// Calls take(key, values) for the values that a line gives.
   template <class Take>
   void read(std::string_view line, const Take& take) const {
     const std::vector<std::string_view> fields = inp_fields(line);
@@ -251,7 +251,7 @@ class InpExtension {
     const auto at = entries_.find(node);
     return at == entries_.end() ? none : at->second;
   }
-  /// At first those by the sets that the node is in.
+  /// The values of an inserted node, at first those by the sets that it is in.
   NodeValues& entries_of_inserted(Index i) {
     const auto known = added_.find(i);
     if (known != added_.end()) return known->second;
@@ -303,7 +303,7 @@ class InpExtension {
     return true;
   }
 
-  /// Adds what all of these entries have.
+  /// Adds the values that all of these entries have.
   void add(Index i, const std::vector<const NodeValues*>& of, const std::vector<double>& weights,
            std::size_t with_value) {
     NodeValues& own = entries_of_inserted(i);

@@ -16,7 +16,7 @@
 
 namespace tetune {
 
-/// Where a text is, for messages.
+/// The place of a text, for messages.
 struct InpPlace {
   std::string file;
   std::int64_t line = 0;
@@ -116,7 +116,7 @@ class InpCursor {
   }
   /// A positive integer of at most 18 digits; `name` stands for it in messages.
   std::int64_t label(const char* name) { return integer(name, 1); }
-  /// Same as label(), where 0 stands for none.
+  /// A label(), or 0, which stands for none.
   std::int64_t label_or_zero(const char* name) { return integer(name, 0); }
   /// A number; an empty field is 0.
   double real() {

@@ -21,8 +21,8 @@ struct InpPiece {
   enum class Kind { text, nodes, tets, set, faces, condition };
   Kind kind = Kind::text;
   std::string_view text;
-  /// Of kind nodes and tets: the card; set: the position in InpModel::set_cards; faces: in face_cards; condition: in
-  /// conditions.
+  /// The position of the card in a list of InpModel: node_cards or tet_cards for the kinds nodes and tets, set_cards
+  /// for set, face_cards for faces, conditions for condition.
   Index card = -1;
   /// The nodes or tetrahedra that it defines, one after another.
   Index first = 0, last = 0;
@@ -53,8 +53,8 @@ struct InpSet {
   bool is_auxiliary = false;
   /// Whether every member of a set of nodes keeps its position.
   bool is_held = false;
-  /// Of another set of nodes, the vertices of tetrahedra that are in none of its regions and patches, and keep their
-  /// position; ascending.
+  /// For a set of nodes that is not held: the vertices of tetrahedra that are in none of its regions and patches, which
+  /// keep their position; ascending.
   std::vector<Index> rest;
   /// Tags of the regions in a set of elements; of those with all vertices in a set of nodes.
   std::vector<int> regions;

@@ -9,7 +9,7 @@
 
 namespace tetune {
 
-/// Where a node that the deck lacks is in the mesh of the deck.
+/// The place of a node that the deck lacks, in the mesh of the deck.
 struct InpInserted {
   /// Nodes of the deck, with the weights by which values between them vary linearly; of a mid-side node, or outside of
   /// the mesh of the deck, none.
@@ -20,8 +20,8 @@ struct InpInserted {
   /// The vertices at the ends of the edge of a mid-side node.
   std::array<Index, 2> ends{-1, -1};
   bool has_inserted_end = false;
-  /// Both ends of its edge are on the surface of the mesh, and the edge is not: what holds on the surface does not
-  /// reach the node.
+  /// Whether both ends of the edge of a mid-side node are on the surface of the mesh, and the edge is not: conditions
+  /// on the surface do not apply to the node.
   bool is_across = false;
   bool is_middle() const { return ends[0] >= 0; }
 };

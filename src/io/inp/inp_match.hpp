@@ -10,7 +10,7 @@
 
 namespace tetune {
 
-/// How the entities of a mesh take the places of those of its deck.
+/// The correspondence between the entities of a mesh and those of its deck.
 struct InpMatch {
   /// Per vertex: its node in the deck, or -1; and its number.
   std::vector<Index> vertex2node;

@@ -1,26 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the sets of elements of a deck to tags: each combination of them that occurs becomes a tag of its own.
+// The tags of tetrahedra by the sets of elements of a deck: each combination of sets that occurs has a tag of its own.
 #include <algorithm>
-#include <limits>
 #include <map>
-#include <optional>
 #include <set>
 
-#include "io/inp/inp_combinations.hpp"
+#include "io/combinations.hpp"
 #include "io/inp/inp_scan.hpp"
+#include "io/inp/inp_tags.hpp"
 
 namespace tetune {
 namespace {
-
-/// The number in a name like Volume50, as tetune and Gmsh write them for tags.
-std::optional<int> tag_in_name(const std::string& name, const char* start) {
-  const std::string key = inp_name(name);
-  const std::string prefix = inp_name(start);
-  std::int64_t value = 0;
-  if (!key.starts_with(prefix) || !parse_inp_integer(key.substr(prefix.size()), value)) return {};
-  if (value == 0 || value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max()) return {};
-  return int(value);
-}
 
 /// Finds the sets of tetrahedra that one line of faces lists and no other card: those make no regions.
 void find_auxiliary_sets(const InpScan& scan, InpModel& model) {
@@ -191,7 +180,7 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
   for (const InpSet& set : model.sets) add_group(mesh, 2, set.name, tags_of_quads(set, model), "Surface");
 }
 
-/// Holds what other cards name by number.
+/// Holds the nodes and elements that other cards name by number.
 void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
   for (const std::int64_t label : scan.held_nodes) {
     if (const Index node = model.node(label); node >= 0) mesh.required_vertices.push_back(node);
@@ -206,28 +195,6 @@ void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
 }
 
 }  // namespace
-
-std::vector<int> number_inp_tags(const std::vector<std::vector<std::string>>& names, const std::vector<bool>& occurs,
-                                 const char* start) {
-  std::vector<int> tags(names.size(), 0);
-  std::set<int> taken;
-  for (std::size_t c = 1; c < names.size(); ++c) {
-    std::set<int> numbers;
-    for (const std::string& name : names[c]) {
-      if (const std::optional<int> number = tag_in_name(name, start)) numbers.insert(*number);
-    }
-    if (occurs[c] && numbers.size() == 1 && taken.insert(*numbers.begin()).second) tags[c] = *numbers.begin();
-  }
-  int next = 1;
-  for (std::size_t c = 1; c < names.size(); ++c) {
-    if (!occurs[c] || tags[c] != 0) continue;
-    while (!taken.insert(next).second) ++next;
-    tags[c] = next;
-  }
-  return tags;
-}
-
-bool is_inp_tag_name(const std::string& name, const char* start, int tag) { return tag_in_name(name, start) == tag; }
 
 void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context) {
   find_auxiliary_sets(scan, model);

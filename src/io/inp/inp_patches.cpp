@@ -5,8 +5,9 @@
 #include <optional>
 
 #include "backend/cpu.hpp"
-#include "io/inp/inp_combinations.hpp"
+#include "io/combinations.hpp"
 #include "io/inp/inp_scan.hpp"
+#include "io/inp/inp_tags.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/vertex_tets.hpp"
 #include "tetune/validate.hpp"
@@ -128,7 +129,7 @@ class InpPatches {
     }
   }
 
-  /// Built for the first set that needs them.
+  /// The tetrahedra at each vertex, found for the first set that needs them.
   const VertexTets& vertex2tets() {
     if (!vertex2tets_) vertex2tets_.emplace(cpu_, mesh_);
     return *vertex2tets_;
@@ -265,7 +266,7 @@ class InpPatches {
     names_of_held_ += (names_of_held_.empty() ? "" : ", ") + set.name;
   }
 
-  // The result.
+  // Tags and triangles of the mesh.
 
   void list_triangles() {
     std::vector<std::string> group_names(model_.face_groups.size());

@@ -2,6 +2,7 @@
 // The nodes, elements and sets that the numbers and names in a deck refer to.
 #include <algorithm>
 
+#include "io/element_blocks.hpp"
 #include "io/inp/inp_data.hpp"
 #include "io/inp/inp_middles.hpp"
 #include "io/second_order.hpp"
@@ -99,14 +100,9 @@ class InpResolver {
       mesh_.edges.push_back({v[0], v[1]});
       mesh_.edge_tags.push_back(0);
     } else if (other.type.role == Role::block) {
-      const auto is_same = [&other](const ElementBlock& b) { return b.kind == other.type.kind; };
-      auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(), is_same);
-      if (block == mesh_.others.end()) {
-        mesh_.others.push_back({other.type.kind, other.type.nodes, {}, {}, {}, {}});
-        block = mesh_.others.end() - 1;
-      }
-      block->element2vertex.insert(block->element2vertex.end(), v.begin(), v.end());
-      block->tags.push_back(0);
+      ElementBlock& block = element_block(mesh_, other.type.kind, other.type.nodes);
+      block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.end());
+      block.tags.push_back(0);
     } else {
       mesh_.required_vertices.insert(mesh_.required_vertices.end(), v.begin(), v.end());
     }

@@ -69,7 +69,7 @@ InpScan scan_inp(const std::string& path, std::string bytes);
 /// Throws FileError if a text without nodes is one of ANSYS's commands, whose files have the same ending.
 void refuse_ansys_deck(const std::string& path, std::string_view text);
 
-/// Finds what the numbers and names refer to, and fills the model and the mesh but for tags.
+/// Finds the entities that the numbers and names refer to, and fills the model and the mesh but for tags.
 void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const IoContext& context);
 
 /// Lists the triangles of surfaces and of sets of nodes on the boundary, with their tags; the rest of such sets of

@@ -77,7 +77,7 @@ struct MeditEncoding {
   bool swapped = false;  ///< the file is of the other byte order than this machine
 
   int real_bytes() const { return version == 1 ? 4 : 8; }
-  /// Ids, references and numbers of entries.
+  /// The width of ids, references and numbers of entries.
   int integer_bytes() const { return version == 4 ? 8 : 4; }
   int position_bytes() const { return version >= 3 ? 8 : 4; }
   std::int64_t entry_bytes(int reals, int integers) const {

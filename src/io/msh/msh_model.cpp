@@ -56,7 +56,7 @@ class CellsByGroups {
   std::map<EntityKey, int> count_;
 };
 
-/// Joins those of one list.
+/// Joins the repeated elements of one list.
 void join(MshElements& list, std::size_t corners, const std::vector<std::uint8_t>& is_split, CellsByGroups& by_groups,
           std::vector<MshCell>& cells) {
   std::map<std::pair<Key, int>, Index> first_of;  // by vertices and entity

@@ -118,7 +118,7 @@ void read_msh_periodic(MshSource& source, MshModel& model, const IoContext& cont
     link.entity = source.integer("entity of a link");
     link.master = source.integer("master of a link");
     if (link.dimension < 0 || link.dimension > 2) {
-      source.fail("a periodic link has dimension " + std::to_string(link.dimension));
+      source.fail("a periodic link has dimension " + std::to_string(link.dimension) + "; it must be 0, 1 or 2");
     }
     read_affine(source, link);
     const std::size_t pairs = source.count("number of pairs", 2, 16);

@@ -23,15 +23,17 @@ class MshSource {
   MshSource(const std::string& path, std::string_view bytes)
       : path_(path), size_(std::ssize(bytes)), text_(path, bytes) {}
 
-  /// Whether numbers are binary from here on.
+  /// Sets whether numbers are binary from here on.
   void set_binary(bool is_binary) { is_binary_ = is_binary; }
-  /// The file is of the other byte order than this machine.
+  /// Sets that the file is of the other byte order than this machine.
   void set_swapped() { is_swapped_ = true; }
   bool is_binary() const { return is_binary_; }
   void set_old(bool is_old) { is_old_ = is_old; }
-  /// Version 2.2: some numbers have 32 bits, and some sections are text in binary files, too.
+  /// Whether the file is of version 2.2, in which some numbers have 32 bits, and some sections are text in binary
+  /// files, too.
   bool is_old() const { return is_old_; }
-  /// Counts and numbers of nodes and elements have 32 bits in this binary file: Gmsh on a machine of 32 bits wrote it.
+  /// Sets that counts and numbers of nodes and elements have 32 bits in a binary file, which Gmsh on a machine of 32
+  /// bits wrote.
   void set_short_sizes() { has_short_sizes_ = true; }
   TextCursor& text() { return text_; }
 

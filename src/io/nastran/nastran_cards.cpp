@@ -155,7 +155,7 @@ void NastranCards::begin_bulk() {
     fail(here_, "a second BEGIN: the parts of a model with superelements are not read; write it as one model");
   }
   has_begin_ = true;
-  // What came before, as from an included file, are other statements.
+  // The cards before, as from an included file, were other statements.
   has_control_ = has_control_ || !ignored_.empty();
   ignored_.clear();
   names_.clear();

@@ -40,7 +40,7 @@ class NastranCards {
   void read();
 
   [[noreturn]] void fail(NastranPlace place, const std::string& text) const;
-  /// File and line.
+  /// The file and line of a place, for messages.
   std::string text_of(NastranPlace place) const;
 
   /// The names of the cards that are not read, in their order.
@@ -72,7 +72,7 @@ class NastranCards {
   void add_fields(std::string_view line);
   void include(Source& source, std::string_view line);
   std::string included_path(const std::string& name, const std::string& file) const;
-  /// Ends the card before.
+  /// Ends the card before, and hands it to take().
   void flush();
 
   std::string path_;

@@ -9,12 +9,12 @@
 
 namespace tetune {
 
-/// Numbers of nodes, elements and properties have at most 8 digits.
+/// The largest number of a node, element or property: they have at most 8 digits.
 inline constexpr int kMaxNastranNumber = 99'999'999;
 
 /// A card of elements. Its nodes follow the numbers of the element and of its property; mid-side nodes, which may be
 /// blank, the vertices.
-struct NastranElement {
+struct NastranElementKind {
   enum class Role { tetrahedron, triangle, edge, other };
   std::string_view card;
   Role role;
@@ -30,28 +30,28 @@ struct NastranElement {
   }
 };
 
-/// In the order in which elements are written.
-inline constexpr std::array<NastranElement, 13> kNastranElements{{
-    {"CROD", NastranElement::Role::edge, 2, 2},
-    {"CBAR", NastranElement::Role::edge, 2, 2},
-    {"CBEAM", NastranElement::Role::edge, 2, 2},
-    {"CTRIA3", NastranElement::Role::triangle, 3, 3},
-    {"CTRIA6", NastranElement::Role::triangle, 3, 6},
-    {"CQUAD4", NastranElement::Role::other, 4, 4, "Quadrilaterals", true},
-    {"CQUAD8", NastranElement::Role::other, 4, 8, "Quadrilaterals"},
-    {"CTETRA", NastranElement::Role::tetrahedron, 4, 10},
-    {"CPYRAM", NastranElement::Role::other, 5, 13, "Pyramids", true},
-    {"CPYRA", NastranElement::Role::other, 5, 13, "Pyramids"},
-    {"CPYRA5", NastranElement::Role::other, 5, 5, "Pyramids"},
-    {"CPENTA", NastranElement::Role::other, 6, 15, "Prisms", true},
-    {"CHEXA", NastranElement::Role::other, 8, 20, "Hexahedra", true},
+/// All kinds, in the order in which elements are written.
+inline constexpr std::array<NastranElementKind, 13> kNastranElementKinds{{
+    {"CROD", NastranElementKind::Role::edge, 2, 2},
+    {"CBAR", NastranElementKind::Role::edge, 2, 2},
+    {"CBEAM", NastranElementKind::Role::edge, 2, 2},
+    {"CTRIA3", NastranElementKind::Role::triangle, 3, 3},
+    {"CTRIA6", NastranElementKind::Role::triangle, 3, 6},
+    {"CQUAD4", NastranElementKind::Role::other, 4, 4, "Quadrilaterals", true},
+    {"CQUAD8", NastranElementKind::Role::other, 4, 8, "Quadrilaterals"},
+    {"CTETRA", NastranElementKind::Role::tetrahedron, 4, 10},
+    {"CPYRAM", NastranElementKind::Role::other, 5, 13, "Pyramids", true},
+    {"CPYRA", NastranElementKind::Role::other, 5, 13, "Pyramids"},
+    {"CPYRA5", NastranElementKind::Role::other, 5, 5, "Pyramids"},
+    {"CPENTA", NastranElementKind::Role::other, 6, 15, "Prisms", true},
+    {"CHEXA", NastranElementKind::Role::other, 8, 20, "Hexahedra", true},
 }};
 
-/// Null for other cards.
-inline const NastranElement* find_nastran_element(std::string_view card) {
-  const auto* const found = std::find_if(kNastranElements.begin(), kNastranElements.end(),
-                                         [card](const NastranElement& e) { return e.card == card; });
-  return found == kNastranElements.end() ? nullptr : found;
+/// The kind of elements of a card; null for other cards.
+inline const NastranElementKind* find_nastran_element_kind(std::string_view card) {
+  const auto* const found = std::find_if(kNastranElementKinds.begin(), kNastranElementKinds.end(),
+                                         [card](const NastranElementKind& e) { return e.card == card; });
+  return found == kNastranElementKinds.end() ? nullptr : found;
 }
 
 }  // namespace tetune

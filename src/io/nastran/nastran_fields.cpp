@@ -107,7 +107,7 @@ NastranLine::NastranLine(std::string_view text) : text_(text), is_free_(text.fin
 std::string NastranLine::name() const {
   std::string_view name = first_;
   if (is_large_ && name.ends_with('*')) name.remove_suffix(1);
-  // So meshio 5 writes the names of second-order elements.
+  // meshio 5 writes the names of second-order elements with this mark.
   if (name.ends_with('_')) name.remove_suffix(1);
   return in_upper_case(trimmed(name));
 }

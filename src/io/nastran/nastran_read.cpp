@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/element_blocks.hpp"
 #include "io/nastran/nastran_cards.hpp"
 #include "io/nastran/nastran_elements.hpp"
 #include "io/nastran/nastran_fields.hpp"
+#include "io/node_numbers.hpp"
 #include "io/number_index.hpp"
+#include "io/plain_text.hpp"
 #include "io/real_field.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
@@ -22,9 +24,9 @@ namespace tetune {
 namespace {
 
 /// An element whose nodes are not resolved; they follow those of the one before in a common list.
-struct NastranFound {
+struct NastranElement {
   NastranPlace place;
-  const NastranElement* kind;
+  const NastranElementKind* kind;
   int number;
   int property;        ///< 0: it has none
   std::uint8_t nodes;  ///< that are listed: without the mid-side nodes where it has none
@@ -43,18 +45,6 @@ bool names_entities(std::string_view card) {
                      [card](std::string_view start) { return card.starts_with(start); });
 }
 
-/// Names with commas between them, of which the first eight are shown.
-template <class Names>
-std::string listed_names(const Names& names) {
-  constexpr std::size_t kMaxNames = 8;
-  std::string list;
-  std::size_t n = 0;
-  for (const auto& name : names) {
-    if (n++ < kMaxNames) list.append(list.empty() ? "" : ", ").append(name);
-  }
-  return n > kMaxNames ? list + " and " + std::to_string(n - kMaxNames) + " more" : list;
-}
-
 class NastranReader {
  public:
   NastranReader(const std::string& path, const IoContext& context)
@@ -63,7 +53,7 @@ class NastranReader {
         cards_(
             path,
             [](const std::string& name) {
-              return name == "GRID" || name == "GRDSET" || find_nastran_element(name) != nullptr;
+              return name == "GRID" || name == "GRDSET" || find_nastran_element_kind(name) != nullptr;
             },
             [this](const NastranCard& card) { take(card); }) {}
 
@@ -75,7 +65,7 @@ class NastranReader {
     check_default_system();
     index_nodes();
     check_element_numbers();
-    for (const NastranFound& element : elements_) add(element);
+    for (const NastranElement& element : elements_) add(element);
     mesh_.point_tags.assign(mesh_.points.size(), 0);
     keep_numbers();
     try {
@@ -90,8 +80,8 @@ class NastranReader {
   }
 
  private:
-  using Role = NastranElement::Role;
-  /// Of CTETRA.
+  using Role = NastranElementKind::Role;
+  /// The largest number of nodes of an element that is read, a CTETRA.
   static constexpr std::size_t kMaxNodes = 10;
 
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
@@ -102,7 +92,7 @@ class NastranReader {
       default_system_ = system(card, card.field(1)).value_or(0);
       return;
     }
-    read_element(card, *find_nastran_element(card.name));
+    read_element(card, *find_nastran_element_kind(card.name));
   }
 
   [[noreturn]] void fail_field(const NastranCard& card, std::size_t k, const std::string& expected) const {
@@ -152,37 +142,17 @@ class NastranReader {
     if (default_system_ != 0 && default_place_) refuse_system(*default_place_, default_system_);
   }
 
-  /// Finds nodes by number, and erases those that occur twice at the same position.
   void index_nodes() {
-    nodes_ = NumberIndex(node_numbers_);
-    if (nodes_.repeated() < 0) return;
-    std::vector<std::uint8_t> is_copy(node_numbers_.size(), 0);
-    const std::vector<Index>& order = nodes_.order();
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      const Index a = order[i - 1], b = order[i];
-      const std::int64_t number = span_of(node_numbers_)[b];
-      if (span_of(node_numbers_)[a] != number) continue;
-      if (span_of(mesh_.points)[a] != span_of(mesh_.points)[b]) {
-        cards_.fail(span_of(node_places_)[b], "GRID " + std::to_string(number) + " is also in " +
-                                                  cards_.text_of(span_of(node_places_)[a]) +
-                                                  ", at another position; give one of these nodes another number");
-      }
-      span_of(is_copy)[b] = 1;
-    }
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < is_copy.size(); ++i) {
-      if (is_copy[i] != 0) continue;
-      mesh_.points[kept] = mesh_.points[i];
-      node_numbers_[kept++] = node_numbers_[i];
-    }
-    mesh_.points.resize(kept);
-    node_numbers_.resize(kept);
-    nodes_ = NumberIndex(node_numbers_);
+    nodes_ = merge_repeated_nodes(node_numbers_, mesh_.points, [this](Index first, Index second) {
+      cards_.fail(span_of(node_places_)[second], "GRID " + std::to_string(span_of(node_numbers_)[second]) +
+                                                     " is also in " + cards_.text_of(span_of(node_places_)[first]) +
+                                                     ", at another position; give one of these nodes another number");
+    });
   }
 
   // Elements.
 
-  void read_element(const NastranCard& card, const NastranElement& kind) {
+  void read_element(const NastranCard& card, const NastranElementKind& kind) {
     const int number = positive(card, 0, "the number of the element");
     const int property = card.field(1).empty() ? 0 : positive(card, 1, "the number of the property");
     ++(property == 0 ? without_property_ : with_property_)[kind.dimension()];
@@ -210,7 +180,7 @@ class NastranReader {
                                 " has mid-side nodes; of second order tetune reads CTETRA and CTRIA6 alone. Write the "
                                 "other elements without mid-side nodes");
   }
-  /// Notes that a card has fields that are not kept.
+  /// Lists the card if it has fields that are not kept.
   void note_rest(const NastranCard& card, std::size_t from) {
     for (std::size_t k = from; k < card.fields.size(); ++k) {
       if (!card.fields[k].empty() && card.fields[k] != "0") rests_.insert(card.name);
@@ -220,21 +190,21 @@ class NastranReader {
   void check_element_numbers() {
     std::vector<std::int64_t> numbers;
     numbers.reserve(elements_.size());
-    for (const NastranFound& element : elements_) numbers.push_back(element.number);
+    for (const NastranElement& element : elements_) numbers.push_back(element.number);
     const NumberIndex index(numbers);
     const std::vector<Index>& order = index.order();
     if (!order.empty()) is_renumbered_ = span_of(numbers)[order.back()] != std::ssize(numbers);
     if (index.repeated() < 0) return;
     for (std::size_t i = 1; i < order.size(); ++i) {
-      const NastranFound& a = span_of(elements_)[order[i - 1]];
-      const NastranFound& b = span_of(elements_)[order[i]];
+      const NastranElement& a = span_of(elements_)[order[i - 1]];
+      const NastranElement& b = span_of(elements_)[order[i]];
       if (a.number != b.number) continue;
       cards_.fail(b.place, "the element " + std::to_string(b.number) + " is also in " + cards_.text_of(a.place) +
                                "; give one of these elements another number");
     }
   }
 
-  Index vertex(const NastranFound& element, int number) const {
+  Index vertex(const NastranElement& element, int number) const {
     const Index rank = nodes_.rank(number);
     if (rank < 0) {
       cards_.fail(element.place, std::string(element.kind->card) + " " + std::to_string(element.number) + " has node " +
@@ -245,13 +215,13 @@ class NastranReader {
 
   /// An element without a property has that of its own number. Where no element of the dimension has one, as in files
   /// of meshes alone, they have no tag: each would be a region or patch of its own.
-  int tag_of(const NastranFound& element) const {
+  int tag_of(const NastranElement& element) const {
     if (element.property != 0) return element.property;
     return with_property_[element.kind->dimension()] > 0 ? element.number : 0;
   }
 
-  void add(const NastranFound& element) {
-    const NastranElement& kind = *element.kind;
+  void add(const NastranElement& element) {
+    const NastranElementKind& kind = *element.kind;
     const int tag = tag_of(element);
     std::array<Index, kMaxNodes> v;
     v.fill(-1);
@@ -274,13 +244,9 @@ class NastranReader {
       case Role::other:
         break;
     }
-    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
-                              [&kind](const ElementBlock& b) { return b.kind == kind.block; });
-    if (block == mesh_.others.end()) {
-      block = mesh_.others.insert(block, {std::string(kind.block), kind.vertices, {}, {}, {}});
-    }
-    block->element2vertex.insert(block->element2vertex.end(), v.begin(), v.begin() + kind.vertices);
-    block->tags.push_back(tag);
+    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices);
+    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
+    block.tags.push_back(tag);
   }
   template <std::size_t N>
   void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
@@ -299,7 +265,7 @@ class NastranReader {
     for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
     if (!middles_.empty()) {
       std::size_t node = 0;
-      for (const NastranFound& element : elements_) {
+      for (const NastranElement& element : elements_) {
         for (std::size_t k = 0; k < element.kind->vertices; ++k) {
           const int number = element_nodes_[node + k];
           if (span_of(is_middle)[vertex(element, number)] == 0) continue;
@@ -320,21 +286,21 @@ class NastranReader {
   void warn_of_cards() const {
     if (cards_.has_control()) warn("the statements before BEGIN BULK are not kept");
     if (cards_.ignored().empty()) return;
-    warn("the cards " + listed_names(cards_.ignored()) + " are not kept");
+    warn("the cards " + listed_texts(cards_.ignored()) + " are not kept");
     std::vector<std::string> by_number;
     std::copy_if(cards_.ignored().begin(), cards_.ignored().end(), std::back_inserter(by_number), names_entities);
     if (by_number.empty()) return;
-    warn("of these, " + listed_names(by_number) +
+    warn("of these, " + listed_texts(by_number) +
          " may name nodes or elements by their numbers: vertices keep theirs in this format, but elements and " +
          "mid-side nodes get others");
   }
 
   void warn_of_elements() const {
     if (!rests_.empty()) {
-      warn("fields after the nodes or coordinates of " + listed_names(rests_) +
+      warn("fields after the nodes or coordinates of " + listed_texts(rests_) +
            " are not kept, such as orientations, offsets, thicknesses and constraints");
     }
-    if (!bars_.empty()) warn(listed_names(bars_) + " are read as edges, which are written as CROD");
+    if (!bars_.empty()) warn(listed_texts(bars_) + " are read as edges, which are written as CROD");
     for (std::size_t dimension = 1; dimension <= 3; ++dimension) {
       if (without_property_[dimension] == 0) continue;
       warn(std::to_string(without_property_[dimension]) + " elements of dimension " + std::to_string(dimension) +
@@ -359,7 +325,7 @@ class NastranReader {
   NumberIndex nodes_;
   int default_system_ = 0;
   std::optional<NastranPlace> default_place_;  ///< of the first node in the default coordinate system
-  std::vector<NastranFound> elements_;
+  std::vector<NastranElement> elements_;
   std::vector<int> element_nodes_;  ///< 0: none
   std::size_t next_node_ = 0;
   std::vector<Middle> middles_;

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
-#include <cmath>
 #include <map>
-#include <memory>
 #include <set>
 #include <utility>
 
@@ -24,7 +21,6 @@ namespace tetune {
 namespace {
 
 constexpr std::size_t kSmallWidth = 8, kFieldsPerLine = 8;
-constexpr Size kEntriesPerRange = 1 << 14;
 
 void warn_of_losses_in_nastran(const TetMesh& mesh, const IoContext& context) {
   warn_of_lists(mesh, context);
@@ -36,15 +32,7 @@ void warn_of_losses_in_nastran(const TetMesh& mesh, const IoContext& context) {
   }
 }
 
-/// Appends text, or a number, at the right of a field.
-void append_field(std::string& line, std::string_view text, std::size_t width) {
-  line.append(width - text.size(), ' ').append(text);
-}
-void append_field(std::string& line, std::int64_t number, std::size_t width) {
-  std::array<char, 24> digits;
-  const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
-  append_field(line, std::string_view(digits.data(), std::size_t(end - digits.data())), width);
-}
+/// Appends a name at the left of a small field.
 void append_name(std::string& line, std::string_view name) { line.append(name).append(kSmallWidth - name.size(), ' '); }
 
 class NastranWriter {
@@ -58,55 +46,33 @@ class NastranWriter {
   void write() {
     if (mesh_.points.size() > std::size_t(kMaxNastranNumber)) {
       throw FileError("the mesh has " + std::to_string(mesh_.points.size()) +
-                      " nodes; Nastran's numbers have at most 8 digits");
+                      " nodes; Nastran's numbers have at most 8 digits: write another format");
     }
     node_numbers_ = numbers_of_nodes(mesh_, vertices_, kMaxNastranNumber, context_);
     number_properties();
     // Without this comment in the first line pyNastran expects the statements of a whole deck.
     file_.write("$ pyNastran: punch=True\n$ tetune\n");
     write_nodes();
-    for (const NastranElement& kind : kNastranElements) write_elements(kind);
+    for (const NastranElementKind& kind : kNastranElementKinds) write_elements(kind);
     file_.write("ENDDATA\n");
   }
 
  private:
-  using Role = NastranElement::Role;
+  using Role = NastranElementKind::Role;
 
   // Numbers.
 
-  /// The tags of the elements of a dimension.
-  std::set<int> tags_of(int dimension) const {
-    std::set<int> tags;
-    const auto add = [&tags](const std::vector<int>& list) {
-      for (std::size_t i = 0; i < list.size(); ++i) {
-        if (i == 0 || list[i] != list[i - 1]) tags.insert(list[i]);
-      }
-    };
-    if (dimension == 1) add(mesh_.edge_tags);
-    if (dimension == 2) add(mesh_.triangle_tags);
-    if (dimension == 3) add(mesh_.tet_tags);
-    for (const ElementBlock& block : mesh_.others) {
-      if (block.kind != kPoints && dimension == (block.kind == "Quadrilaterals" ? 2 : 3)) add(block.tags);
-    }
-    return tags;
-  }
   void number_properties() {
+    const std::array<std::set<int>, 4> tags = tags_by_dimension(mesh_);
     std::map<int, int> number2dimension;
     int shared = 0;
     for (int dimension = 1; dimension <= 3; ++dimension) {
       std::map<int, int>& tag2number = properties_[to_size_t(dimension)];
-      tag2number = numbers_of_tags(tags_of(dimension), {}, kMaxNastranNumber);
-      std::string first;
-      int renumbered = 0;
-      for (const auto& [tag, number] : tag2number) {
-        if (!number2dimension.emplace(number, dimension).second && shared == 0) shared = number;
-        if (tag == number || renumbered++ > 0) continue;
-        first = std::to_string(tag) + " is written as " + std::to_string(number);
+      tag2number = numbers_of_tags(tags[to_size_t(dimension)], {}, kMaxNastranNumber);
+      for (const auto& entry : tag2number) {
+        if (!number2dimension.emplace(entry.second, dimension).second && shared == 0) shared = entry.second;
       }
-      if (renumbered == 0) continue;
-      if (renumbered > 1) first += ", and " + std::to_string(renumbered - 1) + " more";
-      context_.warn("the format's numbers are from 1 to " + std::to_string(kMaxNastranNumber) +
-                    ": of elements of dimension " + std::to_string(dimension) + " the tag " + first);
+      warn_of_renumbered_tags(tag2number, dimension, "from 1 to " + std::to_string(kMaxNastranNumber), context_);
     }
     if (shared == 0) return;
     context_.warn("elements of different dimensions have the property " + std::to_string(shared) +
@@ -115,31 +81,18 @@ class NastranWriter {
 
   // Cards.
 
-  /// Writes n entries; put(text, i) appends one of them.
-  template <class Put>
-  void write_entries(std::size_t n, const Put& put) {
-    const auto format = [&put](std::string& text, Size begin, Size end) {
-      text.clear();
-      for (Size i = begin; i < end; ++i) put(text, to_size_t(i));
-    };
-    write_in_ranges(cpu_, Size(n), kEntriesPerRange, format, [this](const std::string& text) { file_.write(text); });
-  }
-
   void write_nodes() {
-    for (const Point3& p : mesh_.points) {
-      if (std::all_of(p.begin(), p.end(), [](double x) { return std::isfinite(x); })) continue;
-      throw FileError("a coordinate is not finite; Nastran has no notation for it");
-    }
+    refuse_infinite_points(mesh_);
     std::atomic<Size> rounded{0};
-    write_entries(mesh_.points.size(), [&](std::string& text, std::size_t v) {
+    write_records(file_, cpu_, mesh_.points.size(), [&](std::string& text, std::size_t v) {
       append_name(text, "GRID*");
-      append_field(text, node_numbers_[v], kNastranLargeField);
-      append_field(text, "", kNastranLargeField);
+      append_right(text, node_numbers_[v], kNastranLargeField);
+      append_right(text, "", kNastranLargeField);
       for (std::size_t k = 0; k < 3; ++k) {
         if (k == 2) append_name(text += "*\n", "*");
         std::string number;
         if (!append_nastran_real(number, mesh_.points[v][k])) rounded.fetch_add(1, std::memory_order_relaxed);
-        append_field(text, number, kNastranLargeField);
+        append_right(text, number, kNastranLargeField);
       }
       text += '\n';
     });
@@ -150,28 +103,30 @@ class NastranWriter {
   void append_card(std::string& text, std::string_view card, int property, std::int64_t number, const Index* nodes,
                    std::size_t n) const {
     append_name(text, card);
-    append_field(text, number, kSmallWidth);
-    append_field(text, property, kSmallWidth);
+    append_right(text, number, kSmallWidth);
+    append_right(text, property, kSmallWidth);
     for (std::size_t k = 0; k < n; ++k) {
       // The numbers of the element and the property are fields too.
       if (k > 0 && (k + 2) % kFieldsPerLine == 0) append_name(text += "+\n", "+");
-      append_field(text, span_of(node_numbers_)[nodes[k]], kSmallWidth);
+      append_right(text, span_of(node_numbers_)[nodes[k]], kSmallWidth);
     }
     text += '\n';
   }
 
-  /// Writes the elements whose card this is; nodes_of(e, nodes) sets the nodes of one.
+  /// Writes the elements of a card; nodes_of(e, nodes) sets the nodes of one.
   template <class NodesOf>
   void write_cards(std::string_view card, std::size_t dimension, std::size_t n, const std::vector<int>& tags,
                    const NodesOf& nodes_of) {
     const std::map<int, int>& tag2number = properties_[dimension];
-    write_entries(tags.size(), [&](std::string& text, std::size_t e) {
+    write_records(file_, cpu_, tags.size(), [&](std::string& text, std::size_t e) {
       std::array<Index, 10> nodes;
       nodes_of(e, nodes);
       append_card(text, card, tag2number.at(tags[e]), next_element_ + std::int64_t(e), nodes.data(), n);
     });
     next_element_ += std::ssize(tags);
-    if (next_element_ > kMaxNastranNumber) throw FileError("Nastran's numbers of elements have at most 8 digits");
+    if (next_element_ > kMaxNastranNumber) {
+      throw FileError("the mesh has more elements than Nastran's numbers of at most 8 digits: write another format");
+    }
   }
 
   template <std::size_t N, std::size_t E>
@@ -191,7 +146,7 @@ class NastranWriter {
     });
   }
 
-  void write_elements(const NastranElement& kind) {
+  void write_elements(const NastranElementKind& kind) {
     if (kind.card == "CROD") {
       return write_cards(kind.card, 1, 2, mesh_.edge_tags, [this](std::size_t e, std::array<Index, 10>& nodes) {
         std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
@@ -226,8 +181,8 @@ class NastranWriter {
 
 void write_nastran(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   for (const ElementBlock& block : mesh.others) {
-    const bool is_known = std::any_of(kNastranElements.begin(), kNastranElements.end(),
-                                      [&block](const NastranElement& e) { return e.block == block.kind; });
+    const bool is_known = std::any_of(kNastranElementKinds.begin(), kNastranElementKinds.end(),
+                                      [&block](const NastranElementKind& e) { return e.block == block.kind; });
     if (!is_known && block.kind != kPoints) throw FileError("Nastran has no elements of kind " + block.kind);
   }
   warn_of_losses_in_nastran(mesh, context);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "io/checked_count.hpp"
+#include "io/element_blocks.hpp"
 #include "io/gzip.hpp"
 #include "io/netgen/netgen_format.hpp"
 #include "io/registry.hpp"
@@ -117,7 +118,7 @@ class NetgenReader {
   }
   Index vertex() {
     const int v = integer("point number");
-    if (v < 1) cursor_.fail("point number out of range");
+    if (v < 1) cursor_.fail("point number out of range: " + std::to_string(v) + "; numbers count from 1");
     return v - 1;
   }
   std::vector<Index> vertices(int n) {
@@ -189,19 +190,13 @@ class NetgenReader {
   void add_other(const std::vector<Index>& v, int tag, NetgenSection section) {
     for (const NetgenKind& kind : kNetgenKinds) {
       if (to_size_t(kind.vertices) != v.size() || kind.section != section) continue;
-      ElementBlock& block = block_of(kind.kind, kind.vertices);
+      ElementBlock& block = element_block(mesh_, kind.kind, kind.vertices);
       for (std::size_t k = 0; k < v.size(); ++k) block.element2vertex.push_back(v[to_size_t(kind.order[k])]);
       block.tags.push_back(tag);
       return;
     }
     cursor_.fail(std::string(section == NetgenSection::volume ? "volume" : "surface") + " elements of " +
                  std::to_string(v.size()) + " nodes are not supported");
-  }
-  ElementBlock& block_of(const char* kind, int each) {
-    for (ElementBlock& block : mesh_.others) {
-      if (block.kind == kind) return block;
-    }
-    return mesh_.others.emplace_back(ElementBlock{kind, each, {}, {}, {}});
   }
 
   /// Each edge is listed once for each of its faces.
@@ -236,7 +231,7 @@ class NetgenReader {
   void read_point_elements() {
     const std::size_t n = count("number of points", 2);
     for (std::size_t i = 0; i < n; ++i) {
-      ElementBlock& block = block_of(kPoints, 1);
+      ElementBlock& block = element_block(mesh_, kPoints, 1);
       block.element2vertex.push_back(vertex());
       block.tags.push_back(integer("number of a point"));
     }

@@ -67,7 +67,10 @@ void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, const char*
     cursor.integer("element number");
     for (Index& v : elements[i]) {
       const std::int64_t id = cursor.integer("point number") - base;
-      if (id < 0 || id > std::numeric_limits<Index>::max()) cursor.fail("point number out of range");
+      if (id < 0 || id > std::numeric_limits<Index>::max()) {
+        cursor.fail("point number out of range: " + std::to_string(id + base) + "; numbers count from " +
+                    std::to_string(base));
+      }
       v = static_cast<Index>(id);
     }
     if (tag_name != nullptr && !cursor.line_done()) tags[i] = read_tag(cursor, tag_name);

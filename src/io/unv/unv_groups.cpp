@@ -24,7 +24,7 @@ class UnvGroupWriter {
     add_groups();
     add_node_sets();
     const std::size_t named = list_.size();
-    add_rest();
+    add_groups_of_tags();
     number(named);
     return std::move(list_);
   }
@@ -34,7 +34,7 @@ class UnvGroupWriter {
     return kUnvTagNames[to_size_t(dimension)] + std::to_string(number);
   }
 
-  /// Whether the group is one that add_rest() adds.
+  /// Whether add_groups_of_tags() adds the group.
   bool is_of_tag(const Group& group, const std::string& name) const {
     const std::map<int, int>& tag2number = properties_[to_size_t(group.dimension)];
     const auto number = group.tags.size() == 1 ? tag2number.find(group.tags[0]) : tag2number.end();
@@ -64,7 +64,7 @@ class UnvGroupWriter {
   void add_node_sets() {
     for (const DataArray& array : mesh_.point_data) {
       if (!is_node_set(array)) continue;
-      // Such as a set of mid-side nodes, of which the reader has warned.
+      // An empty set is for example one of mid-side nodes, of which the reader has warned.
       const auto& in_set = std::get<std::vector<std::uint8_t>>(array.values);
       if (std::find(in_set.begin(), in_set.end(), std::uint8_t{1}) == in_set.end()) continue;
       const std::string text = array.name.substr(kNodeSet.size());
@@ -75,8 +75,9 @@ class UnvGroupWriter {
       added->in_set = &in_set;
     }
   }
-  /// Programs that do not read the numbers of properties, such as Salome, find the elements of a tag by its group.
-  void add_rest() {
+  /// Adds a group for each tag that is in none: programs that do not read the numbers of properties, such as Salome,
+  /// find the elements of a tag by its group.
+  void add_groups_of_tags() {
     for (int dimension = 3; dimension > 0; --dimension) {
       for (const auto& [tag, property] : properties_[to_size_t(dimension)]) {
         const std::pair<int, int> key{dimension, tag};
@@ -86,11 +87,9 @@ class UnvGroupWriter {
     }
   }
 
-  /// The group of that number and name, with its name as it is written.
+  /// Returns the group of a number and name, which is added if there is none.
   UnvWrittenGroup& group_of(int number, const std::string& name) {
-    std::string written(trimmed(name));
-    std::replace_if(
-        written.begin(), written.end(), [](char c) { return c >= '\0' && c < ' '; }, '?');
+    std::string written = without_control_characters(trimmed(name));
     const auto same = std::find_if(list_.begin(), list_.end(), [&](const UnvWrittenGroup& group) {
       return group.number == number && group.name == written;
     });
@@ -99,7 +98,7 @@ class UnvGroupWriter {
     return list_.emplace_back(UnvWrittenGroup{number, std::move(written), {}, nullptr});
   }
 
-  /// Gives the groups numbers of their own. The first ones have numbers of the mesh.
+  /// Gives each group a number that no other has. The first `named` ones have those of the mesh where they can.
   void number(std::size_t named) {
     FreeNumbers numbers({});
     std::vector<UnvWrittenGroup*> rest;

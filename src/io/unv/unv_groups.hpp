@@ -13,12 +13,12 @@
 
 namespace tetune {
 
-/// A group as it is written: the elements of some tags, and a set of nodes.
+/// A group to be written: the elements of some tags, and a set of nodes.
 struct UnvWrittenGroup {
   int number = 0;
   std::string name;
-  std::vector<std::pair<int, int>> tags;  ///< with their dimensions
-  const std::vector<std::uint8_t>* in_set = nullptr;
+  std::vector<std::pair<int, int>> tags;              ///< dimensions and tags
+  const std::vector<std::uint8_t>* in_set = nullptr;  ///< 1 per vertex of the set; null: none
 };
 
 /// The groups of a mesh, its sets of nodes, and a group for each tag in none; `properties`: the number of each tag, by

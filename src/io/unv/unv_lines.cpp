@@ -9,13 +9,11 @@
 
 #include "io/plain_text.hpp"
 #include "io/real_field.hpp"
+#include "io/unv/unv_format.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
-
-/// Integers have the format I10.
-constexpr std::size_t kIntegerWidth = 10;
 
 bool is_mark(std::string_view line) { return trimmed(line) == "-1"; }
 
@@ -103,7 +101,8 @@ std::size_t UnvLines::size_of_next() const {
   return fields.size();
 }
 
-/// A line of -1 may be data: one that ends the data set is before the start of another one or the end of the file.
+/// A line of -1 may be data: that at the end of the data set is the last of the file, or another data set starts after
+/// it.
 void UnvLines::skip_set() {
   std::string_view line;
   while (read(line)) {
@@ -134,12 +133,12 @@ const std::vector<std::string_view>& UnvLines::fields(std::string_view line,
 
 const std::vector<std::int64_t>& UnvLines::integers(std::string_view line) {
   split_at_blanks(line, fields_);
-  const bool touch =
-      std::any_of(fields_.begin(), fields_.end(), [](std::string_view field) { return field.size() > kIntegerWidth; });
-  if (touch) {
+  const bool numbers_touch = std::any_of(fields_.begin(), fields_.end(),
+                                         [](std::string_view field) { return field.size() > kUnvIntegerWidth; });
+  if (numbers_touch) {
     fields_.clear();
-    for (; !line.empty(); line.remove_prefix(std::min(kIntegerWidth, line.size()))) {
-      const std::string_view field = trimmed(line.substr(0, kIntegerWidth));
+    for (; !line.empty(); line.remove_prefix(std::min(kUnvIntegerWidth, line.size()))) {
+      const std::string_view field = trimmed(line.substr(0, kUnvIntegerWidth));
       if (!field.empty()) fields_.push_back(field);
     }
   }
@@ -160,7 +159,7 @@ std::int64_t UnvLines::integer(std::string_view field, const char* name) const {
   const char* const end = field.data() + field.size();
   const bool has_plus = field.starts_with('+');
   const auto [stop, error] = std::from_chars(field.data() + (has_plus ? 1 : 0), end, value);
-  constexpr std::int64_t kMax = 9'999'999'999;
+  constexpr std::int64_t kMax = 9'999'999'999;  // 10 digits
   if (error == std::errc() && stop == end && value <= kMax && value >= -kMax) return value;
   fail("this should be " + std::string(name) + " of at most 10 digits, and is " + quoted(field));
 }

@@ -16,15 +16,15 @@ class UnvLines {
  public:
   UnvLines(std::string path, std::string_view text) : path_(std::move(path)), rest_(text) {}
 
-  /// Starts the next data set, and returns its number; an empty text at the end of the file.
+  /// Starts the next data set and returns its number, or an empty text at the end of the file.
   std::string_view next_set();
-  /// The next line of the data set; false at its end.
+  /// Reads the next line of the data set; returns false at its end.
   bool next(std::string_view& line);
-  /// A further line of a record.
+  /// Reads a further line of a record. Throws FileError where the data set ends before it.
   std::string_view further();
-  /// A further line of text, which may be blank.
+  /// Reads a further line of a record that is text, and may be blank.
   std::string_view text();
-  /// The number of integers in the next line of the file, without reading it.
+  /// The number of fields of the next line of the file that is not blank, which is not read yet.
   std::size_t size_of_next() const;
   /// Skips the rest of a data set, whose lines may be of any kind.
   void skip_set();
@@ -33,10 +33,11 @@ class UnvLines {
   const std::vector<std::string_view>& fields(std::string_view line, std::initializer_list<std::size_t> widths);
   /// The integers of a line, as many as it has: between blanks, or in columns of 10 where numbers touch.
   const std::vector<std::int64_t>& integers(std::string_view line);
-  /// The same for a line of n integers.
+  /// The integers of the first line of a record. Throws FileError, which names the record, unless there are n.
   const std::vector<std::int64_t>& integers(std::string_view line, std::size_t n, const char* record);
+  /// An integer of at most 10 digits. Throws FileError, which names it, for other fields.
   std::int64_t integer(std::string_view field, const char* name) const;
-  /// Throws FileError unless it is a finite number.
+  /// A finite number. Throws FileError, which names it, for other fields.
   double real(std::string_view field, const char* name) const;
 
   /// The number of the line that was read last.
@@ -45,8 +46,9 @@ class UnvLines {
   bool is_open() const { return is_open_; }
   const std::string& path() const { return path_; }
 
-  /// An error in the last line; where no line follows it, the file is cut short.
+  /// Throws FileError for the last line; where no line follows it, the error is that the file is cut short.
   [[noreturn]] void fail(const std::string& text) const;
+  /// Throws FileError for a line.
   [[noreturn]] void fail_at(std::int64_t line, const std::string& text) const;
 
  private:

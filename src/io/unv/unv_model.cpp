@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The data sets of universal files: the descriptions of I-deas, as the Structural Dynamics Research Laboratory of the
-// University of Cincinnati publishes them.
+// The data sets of universal files, by the descriptions of I-deas that the Structural Dynamics Research Laboratory of
+// the University of Cincinnati publishes.
 #include "io/unv/unv_model.hpp"
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 
 #include "io/plain_text.hpp"
 #include "io/unv/unv_format.hpp"
@@ -47,10 +48,10 @@ class UnvParser {
   /// the part.
   void read_nodes(bool is_single, bool has_definition) {
     for (std::string_view line; lines_.next(line);) {
-      constexpr std::size_t kInteger = 10, kSingle = 13, kDouble = 25;
       const std::vector<std::string_view>* fields =
-          &(is_single ? lines_.fields(line, {kInteger, kInteger, kInteger, kInteger, kSingle, kSingle, kSingle})
-                      : lines_.fields(line, {kInteger, kInteger, kInteger, kInteger}));
+          &(is_single ? lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth,
+                                             kUnvSingleWidth, kUnvSingleWidth, kUnvSingleWidth})
+                      : lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth}));
       const std::int64_t number = label((*fields)[0], "the number of a node");
       const std::int64_t system = lines_.integer((*fields)[1], "the number of a coordinate system");
       model_.node_numbers.push_back(number);
@@ -59,7 +60,7 @@ class UnvParser {
       ++use.nodes;
       std::size_t first = 4;
       if (!is_single) {
-        fields = &lines_.fields(lines_.further(), {kDouble, kDouble, kDouble});
+        fields = &lines_.fields(lines_.further(), {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth});
         first = 0;
       }
       Point3 p{};
@@ -75,24 +76,24 @@ class UnvParser {
 
   // Coordinate systems.
 
-  /// Nodes that name a coordinate system.
+  /// The nodes that name a coordinate system.
   struct Use {
     std::int64_t line;  ///< of the first one
     std::size_t nodes;
   };
 
   void read_systems() {
-    lines_.integers(lines_.further());  // the part
-    lines_.text();                      // its name
+    lines_.integers(lines_.further());  // number of the part
+    lines_.text();                      // name of the part
     for (std::string_view line; lines_.next(line);) {
       const std::vector<std::int64_t>& numbers = lines_.integers(line);
       if (numbers.size() < 2) lines_.fail("a coordinate system should have a number, a kind and a color here");
       const std::int64_t number = numbers[0];
       bool is_global = numbers[1] == 0;
-      lines_.text();  // its name
+      lines_.text();  // name
       for (std::size_t row = 0; row < 4; ++row) {
-        constexpr std::size_t kDouble = 25;
-        const std::vector<std::string_view>& fields = lines_.fields(lines_.further(), {kDouble, kDouble, kDouble});
+        const std::vector<std::string_view>& fields =
+            lines_.fields(lines_.further(), {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth});
         for (std::size_t k = 0; k < 3; ++k) {
           is_global = lines_.real(fields[k], "a number of a matrix") == (k == row ? 1 : 0) && is_global;
         }
@@ -100,7 +101,8 @@ class UnvParser {
       systems_[number] = is_global;
     }
   }
-  /// 0 and 1 are the global one in files that define none.
+  /// Refuses or warns of coordinate systems other than the global Cartesian one, which 0 and 1 are where the file does
+  /// not define them.
   void check_systems() const {
     std::string systems;
     std::size_t nodes = 0;
@@ -125,15 +127,13 @@ class UnvParser {
                         "as those of the part, as they are");
   }
 
-  /// Keeps the lines.
+  /// Checks the lines of the data set of units, and keeps them.
   void read_units() {
     const std::string_view first = lines_.further();
-    constexpr std::size_t kInteger = 10;
-    lines_.integer(trimmed(first.substr(0, kInteger)), "the number of a system of units");
+    lines_.integer(trimmed(first.substr(0, kUnvIntegerWidth)), "the number of a system of units");
     model_.units = printable(first) + '\n';
     for (std::string_view line; lines_.next(line);) {
-      constexpr std::size_t kDouble = 25;
-      for (const std::string_view field : lines_.fields(line, {kDouble, kDouble, kDouble})) {
+      for (const std::string_view field : lines_.fields(line, {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth})) {
         if (!field.empty()) lines_.real(field, "a factor of units");
       }
       model_.units += printable(line) + '\n';
@@ -147,18 +147,18 @@ class UnvParser {
       const std::vector<std::int64_t>& first = lines_.integers(line, has_bins ? 8 : 6, "an element");
       if (first[0] < 0) lines_.fail("the number of this element is negative");
       const std::int64_t descriptor = first[1], n = first.back();
-      UnvFound found{find_unv_element(descriptor),
-                     lines_.line(),
-                     first[0],
-                     model_.element_nodes.size(),
-                     as_int(first[has_bins ? 3U : 2U]),
-                     as_int(first[has_bins ? 5U : 3U]),
-                     0};
+      UnvElement found{find_unv_element_kind(descriptor),
+                       lines_.line(),
+                       first[0],
+                       model_.element_nodes.size(),
+                       as_int(first[has_bins ? 3U : 2U]),
+                       as_int(first[has_bins ? 5U : 3U]),
+                       0};
       if (n < 1) lines_.fail("this element should have nodes, and has " + std::to_string(n));
       if (found.kind != nullptr) check_size(*found.kind, descriptor, n);
       std::string_view nodes = lines_.further();
       if (descriptor <= kMaxUnvBeam && has_beam_line(nodes, n)) {
-        note_section(nodes);
+        count_section(nodes);
         nodes = lines_.further();
       }
       read_nodes_of_element(nodes, n, found.kind != nullptr);
@@ -176,23 +176,23 @@ class UnvParser {
     lines_.fail("numbers of properties and materials are at most 2147483647, and this one is " +
                 std::to_string(number));
   }
-  void check_size(const UnvElement& kind, std::int64_t descriptor, std::int64_t n) const {
+  void check_size(const UnvElementKind& kind, std::int64_t descriptor, std::int64_t n) const {
     const std::string what = "this element with the FE descriptor " + std::to_string(descriptor);
-    if (kind.role == UnvElement::Role::unread || (kind.role == UnvElement::Role::other && n == kind.nodes)) {
+    if (kind.role == UnvElementKind::Role::unread || (kind.role == UnvElementKind::Role::other && n == kind.nodes)) {
       lines_.fail(what +
                   " has nodes on its edges; of second order tetune reads tetrahedra, triangles and beams alone. "
                   "Write the other elements with their vertices alone");
     }
-    if (n == kind.vertices || (n == kind.nodes && kind.role != UnvElement::Role::other)) return;
+    if (n == kind.vertices || (n == kind.nodes && kind.role != UnvElementKind::Role::other)) return;
     lines_.fail(what + " should have " + std::to_string(kind.vertices) + " nodes, and has " + std::to_string(n));
   }
-  /// Some programs leave the line out.
+  /// Whether a line after the first of a beam is that of its orientation, which some programs leave out.
   bool has_beam_line(std::string_view line, std::int64_t n) {
     const std::int64_t size = std::ssize(lines_.integers(line));
     return size != n || (size == 3 && lines_.size_of_next() == 3);
   }
-  /// The orientation and the cross sections of a beam.
-  void note_section(std::string_view line) {
+  /// Counts beams with an orientation or cross sections, which are not kept.
+  void count_section(std::string_view line) {
     const std::vector<std::int64_t>& numbers = lines_.integers(line);
     if (std::any_of(numbers.begin(), numbers.end(), [](std::int64_t k) { return k > 1; })) {
       ++model_.beams_with_sections;
@@ -212,14 +212,14 @@ class UnvParser {
 
   // Groups.
 
-  /// `size`: how many numbers an entity has, of which the first two are its kind and its number.
+  /// Reads groups whose entities have `size` integers each: first a kind and a number.
   void read_groups(std::size_t size) {
     for (std::string_view line; lines_.next(line);) {
       const std::vector<std::int64_t>& first = lines_.integers(line, 8, "a group");
       const std::int64_t entities = first.back();
       UnvGroup group{first[0], {}, {}, {}};
       if (group.number < 0 || entities < 0) lines_.fail("the number of a group, or that of its entities, is negative");
-      group.name = printable_name(trimmed(lines_.text()));
+      group.name = without_control_characters(trimmed(lines_.text()));
       for (std::int64_t read = 0; read < entities;) {
         const std::vector<std::int64_t>& numbers = lines_.integers(lines_.further());
         if (numbers.size() % size != 0) {
@@ -232,19 +232,11 @@ class UnvParser {
       model_.groups.push_back(std::move(group));
     }
   }
-  /// The name without control characters; others may be in any encoding.
-  static std::string printable_name(std::string_view text) {
-    std::string name(text);
-    std::replace_if(
-        name.begin(), name.end(), [](char c) { return c >= '\0' && c < ' '; }, '?');
-    return name;
-  }
   void add_member(UnvGroup& group, std::int64_t kind, std::int64_t number) {
-    constexpr std::int64_t kNode = 7, kElement = 8;
     if (number < 0) lines_.fail("the number of an entity is negative");
-    if (kind == kNode) {
+    if (kind == kUnvNode) {
       group.nodes.push_back(number);
-    } else if (kind == kElement) {
+    } else if (kind == kUnvElement) {
       group.elements.push_back(number);
     } else {
       ++model_.ignored_members;
@@ -255,8 +247,8 @@ class UnvParser {
   std::vector<std::string>& warnings_;
   UnvModel model_;
   std::set<std::string> names_;
-  std::array<std::map<std::int64_t, Use>, 2> uses_;  ///< by coordinate system: of the part, and of definition
-  std::map<std::int64_t, bool> systems_;             ///< whether it is the global one
+  std::array<std::map<std::int64_t, Use>, 2> uses_;  ///< by coordinate system: of the part (0), of definition (1)
+  std::map<std::int64_t, bool> systems_;             ///< whether a defined system is the global one
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -14,8 +13,8 @@
 namespace tetune {
 
 /// An element whose nodes are not resolved.
-struct UnvFound {
-  const UnvElement* kind;
+struct UnvElement {
+  const UnvElementKind* kind;
   std::int64_t line, number;
   std::size_t first_node;  ///< position in UnvModel::element_nodes
   int property, material;
@@ -33,16 +32,16 @@ struct UnvGroup {
 struct UnvModel {
   std::vector<std::int64_t> node_numbers, node_lines;
   std::vector<Point3> points;
-  std::vector<UnvFound> elements;
+  std::vector<UnvElement> elements;
   std::vector<std::int64_t> element_nodes;
   std::vector<UnvGroup> groups;
-  bool has_groups_of_gmsh = false;  ///< in the data set that Gmsh writes
-  /// The lines of the data set of units, each with its end.
+  bool has_groups_of_gmsh = false;  ///< groups are in the data set that Gmsh writes
+  /// The lines of the data set of units, each with the end of a line.
   std::string units;
 
   /// Numbers of data sets that are not read, in their order.
   std::vector<std::string> ignored_sets;
-  std::map<std::int64_t, std::size_t> ignored_elements;  ///< numbers of elements by descriptor
+  std::map<std::int64_t, std::size_t> ignored_elements;  ///< number of elements by descriptor
   std::size_t beams_with_sections = 0, ignored_members = 0;
 };
 

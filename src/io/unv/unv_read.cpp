@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "backend/span.hpp"
-#include "io/inp/inp_combinations.hpp"
+#include "io/combinations.hpp"
+#include "io/element_blocks.hpp"
+#include "io/node_numbers.hpp"
 #include "io/number_index.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "io/unv/unv_format.hpp"
@@ -20,7 +22,7 @@
 namespace tetune {
 namespace {
 
-/// What a data set that is not read has.
+/// The number of a data set that is not read, with its contents where these are known.
 std::string described_set(const std::string& number) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kKnown{{{"18", "coordinate systems"},
                                                                                   {"55", "results"},
@@ -38,15 +40,6 @@ std::string described_set(const std::string& number) {
   const auto* const known =
       std::find_if(kKnown.begin(), kKnown.end(), [&](const auto& entry) { return entry.first == number; });
   return known == kKnown.end() ? number : number + " (" + std::string(known->second) + ")";
-}
-
-std::string listed_sets(const std::vector<std::string>& sets) {
-  constexpr std::size_t kMaxSets = 8;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(sets.size(), kMaxSets); ++i) {
-    list.append(i == 0 ? "" : ", ").append(described_set(sets[i]));
-  }
-  return sets.size() > kMaxSets ? list + " and " + std::to_string(sets.size() - kMaxSets) + " more" : list;
 }
 
 class UnvReader {
@@ -80,37 +73,17 @@ class UnvReader {
   }
 
  private:
-  using Role = UnvElement::Role;
+  using Role = UnvElementKind::Role;
   static constexpr std::size_t kMaxNodes = 10;
 
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
 
-  /// Finds nodes by number. One that occurs twice at the same position is one node.
   void index_nodes() {
-    std::vector<std::int64_t>& numbers = model_.node_numbers;
-    nodes_ = NumberIndex(numbers);
     mesh_.points = std::move(model_.points);
-    if (nodes_.repeated() < 0) return;
-    std::vector<std::uint8_t> is_copy(numbers.size(), 0);
-    const std::vector<Index>& order = nodes_.order();
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      const Index a = order[i - 1], b = order[i];
-      if (span_of(numbers)[a] != span_of(numbers)[b]) continue;
-      if (span_of(mesh_.points)[a] != span_of(mesh_.points)[b]) {
-        fail_repeated("node", span_of(numbers)[b], span_of(model_.node_lines)[a], span_of(model_.node_lines)[b],
-                      "at another position");
-      }
-      span_of(is_copy)[b] = 1;
-    }
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < is_copy.size(); ++i) {
-      if (is_copy[i] != 0) continue;
-      mesh_.points[kept] = mesh_.points[i];
-      numbers[kept++] = numbers[i];
-    }
-    mesh_.points.resize(kept);
-    numbers.resize(kept);
-    nodes_ = NumberIndex(numbers);
+    nodes_ = merge_repeated_nodes(model_.node_numbers, mesh_.points, [this](Index first, Index second) {
+      fail_repeated("node", span_of(model_.node_numbers)[second], span_of(model_.node_lines)[first],
+                    span_of(model_.node_lines)[second], "at another position");
+    });
   }
   [[noreturn]] void fail_repeated(const char* what, std::int64_t number, std::int64_t before, std::int64_t line,
                                   const char* how) const {
@@ -118,13 +91,13 @@ class UnvReader {
                              std::to_string(before) + ", " + how + "; give one of them another number");
   }
 
-  /// Finds elements by number. One that occurs twice with the same nodes is one element.
+  /// Erases each element that repeats the number and the nodes of one before it.
   void index_elements() {
-    std::vector<UnvFound>& elements = model_.elements;
+    std::vector<UnvElement>& elements = model_.elements;
     std::vector<std::int64_t> numbers;
     const auto number_all = [&] {
       numbers.clear();
-      for (const UnvFound& element : elements) numbers.push_back(element.number);
+      for (const UnvElement& element : elements) numbers.push_back(element.number);
       elements_ = NumberIndex(numbers);
     };
     number_all();
@@ -134,19 +107,21 @@ class UnvReader {
     }
     if (elements_.repeated() < 0) return;
     for (std::size_t i = 1; i < order.size(); ++i) {
-      const UnvFound& a = span_of(elements)[order[i - 1]];
-      UnvFound& b = span_of(elements)[order[i]];
+      const UnvElement& a = span_of(elements)[order[i - 1]];
+      UnvElement& b = span_of(elements)[order[i]];
       if (a.number != b.number) continue;
-      const auto first = [&](const UnvFound& e) { return model_.element_nodes.begin() + std::ptrdiff_t(e.first_node); };
+      const auto first = [&](const UnvElement& e) {
+        return model_.element_nodes.begin() + std::ptrdiff_t(e.first_node);
+      };
       const bool is_same = a.kind == b.kind && a.nodes == b.nodes && std::equal(first(a), first(a) + a.nodes, first(b));
       if (!is_same) fail_repeated("element", b.number, a.line, b.line, "with other nodes");
       b.line = 0;
     }
-    std::erase_if(elements, [](const UnvFound& e) { return e.line == 0; });
+    std::erase_if(elements, [](const UnvElement& e) { return e.line == 0; });
     number_all();
   }
 
-  /// The class of each element, by the groups that it is in.
+  /// Finds the class of each element, by the groups that it is in, and the tag of each class.
   void find_classes() {
     Combinations<Index> combinations;
     std::vector<Index> combination(model_.elements.size(), 0);
@@ -167,7 +142,7 @@ class UnvReader {
       if (is_empty) warn("the group \"" + group.name + "\" has no nodes and elements of the mesh; it is not kept");
     }
     for (std::size_t e = 0; e < combination.size(); ++e) {
-      const UnvFound& element = model_.elements[e];
+      const UnvElement& element = model_.elements[e];
       const std::array<Index, 3> key{element.kind->dimension, element.property, combination[e]};
       const auto [at, is_new] = key2class_.try_emplace(key, std::ssize(classes_));
       if (is_new) classes_.push_back({key[0], key[1], combinations.of(key[2])});
@@ -196,8 +171,8 @@ class UnvReader {
   }
 
   void add(std::size_t e) {
-    const UnvFound& element = model_.elements[e];
-    const UnvElement& kind = *element.kind;
+    const UnvElement& element = model_.elements[e];
+    const UnvElementKind& kind = *element.kind;
     const int tag = span_of(tags_)[element2class_[e]];
     std::array<Index, kMaxNodes> v{};
     for (std::size_t k = 0; k < element.nodes; ++k) {
@@ -223,13 +198,9 @@ class UnvReader {
       default:
         break;
     }
-    auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
-                              [&kind](const ElementBlock& b) { return b.kind == kind.block; });
-    if (block == mesh_.others.end()) {
-      block = mesh_.others.insert(block, {std::string(kind.block), kind.vertices, {}, {}, {}});
-    }
-    block->element2vertex.insert(block->element2vertex.end(), v.begin(), v.begin() + kind.vertices);
-    block->tags.push_back(tag);
+    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices);
+    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
+    block.tags.push_back(tag);
   }
   template <std::size_t N>
   void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
@@ -270,7 +241,7 @@ class UnvReader {
   void keep_numbers() {
     std::vector<std::uint8_t> is_middle(mesh_.points.size(), 0);
     for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
-    for (const UnvFound& element : model_.elements) {
+    for (const UnvElement& element : model_.elements) {
       if (middles_.empty()) break;
       for (std::size_t k = 0; k < element.kind->vertices; ++k) {
         const std::size_t place = unv_place(element.kind->role, element.nodes, k);
@@ -284,13 +255,15 @@ class UnvReader {
     for (std::size_t i = 0; i < is_middle.size(); ++i) {
       if (is_middle[i] == 0) mesh_.deck_nodes.push_back(model_.node_numbers[i]);
     }
-    // 0 stands for inserted vertices.
+    // TetMesh::deck_nodes has 0 for inserted vertices, so that it cannot hold a node of this number.
     if (nodes_.rank(0) >= 0) mesh_.deck_nodes.clear();
   }
 
   void warn_of_contents() const {
     if (!model_.ignored_sets.empty()) {
-      warn("the data sets " + listed_sets(model_.ignored_sets) + " are not kept");
+      std::vector<std::string> sets;
+      for (const std::string& number : model_.ignored_sets) sets.push_back(described_set(number));
+      warn("the data sets " + listed_texts(sets) + " are not kept");
     }
     if (lines_.is_open()) warn("it does not end with -1 after the lines of a data set; the file may be cut short");
     if (!model_.ignored_elements.empty()) {
@@ -313,9 +286,9 @@ class UnvReader {
     if (missing_ > 0) {
       warn(std::to_string(missing_) + " entities of groups are nodes or elements that the mesh does not have");
     }
-    // Those that are all equal, or that are written again, are no loss.
-    const auto differs = [this](const UnvFound& e) { return e.material != model_.elements[0].material; };
-    const auto is_other = [](const UnvFound& e) { return e.material != e.property; };
+    // Numbers of materials that are all equal, or those of the properties, which are written again, are no loss.
+    const auto differs = [this](const UnvElement& e) { return e.material != model_.elements[0].material; };
+    const auto is_other = [](const UnvElement& e) { return e.material != e.property; };
     const auto any = [this](const auto& is) { return std::any_of(model_.elements.begin(), model_.elements.end(), is); };
     if (any(differs) && any(is_other)) {
       warn("the numbers of materials of elements are not kept");

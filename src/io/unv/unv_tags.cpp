@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/unv/unv_tags.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <set>
 #include <utility>
@@ -14,7 +13,7 @@ namespace {
 
 bool is_tag(std::int64_t number) { return number > 0 && number <= std::numeric_limits<int>::max(); }
 
-/// The tags of the classes of one dimension.
+/// Sets the tags of the classes of one dimension.
 void number_dimension(const std::vector<UnvClass>& classes, const std::vector<std::int64_t>& group_numbers,
                       std::map<UnvClass, int>& class2tag) {
   std::map<int, int> property2classes;
@@ -37,7 +36,7 @@ void number_dimension(const std::vector<UnvClass>& classes, const std::vector<st
       if (!has_own) last.push_back(c);
     }
   }
-  // Not the number of any property or group, which would be taken for it.
+  // The other tags are no numbers of properties or groups, which they would be taken for.
   for (const UnvClass& c : classes) in_use.insert(c.property);
   for (const std::int64_t number : group_numbers) {
     if (is_tag(number)) in_use.insert(int(number));
@@ -78,7 +77,7 @@ std::size_t count_changed_properties(const std::map<UnvClass, int>& class2tag) {
 
 std::vector<Group> unv_groups(const std::map<UnvClass, int>& class2tag, const std::vector<std::string>& names,
                               const std::vector<std::int64_t>& numbers) {
-  std::map<std::pair<std::int32_t, int>, std::set<int>> tags;  // of a group in a dimension
+  std::map<std::pair<std::int32_t, int>, std::set<int>> tags;  // by group and dimension
   for (const auto& [c, tag] : class2tag) {
     for (const std::int32_t group : c.groups) tags[{group, c.dimension}].insert(tag);
   }
@@ -90,7 +89,7 @@ std::vector<Group> unv_groups(const std::map<UnvClass, int>& class2tag, const st
   for (const auto& [key, of] : tags) {
     const auto& [group, dimension] = key;
     Group& added = groups.emplace_back(Group{dimension, 0, span_of(names)[group], {of.begin(), of.end()}});
-    // Other formats have the number of a group as the tag.
+    // The group of one tag has its number: other formats have the number of a group as the tag.
     if (is_of_tag(group, dimension, of) && in_use[to_size_t(dimension)].insert(*of.begin()).second) {
       added.number = *of.begin();
     }

@@ -27,12 +27,12 @@ struct UnvClass {
 std::map<UnvClass, int> tags_of_unv_classes(const std::vector<UnvClass>& classes,
                                             const std::vector<std::int64_t>& group_numbers);
 
-/// How many classes have another tag than their property number, in dimensions where this number differs between
+/// The number of classes whose tag is not their property number, in dimensions where this number differs between
 /// elements.
 std::size_t count_changed_properties(const std::map<UnvClass, int>& class2tag);
 
-/// The groups of a mesh with these classes, one for each dimension of each group of the file. `names` and `numbers`: of
-/// the latter.
+/// The groups of a mesh with these classes, one for each dimension of each group of the file. `names` and `numbers` are
+/// those of the groups of the file.
 std::vector<Group> unv_groups(const std::map<UnvClass, int>& class2tag, const std::vector<std::string>& names,
                               const std::vector<std::int64_t>& numbers);
 

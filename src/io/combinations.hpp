@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,7 +15,7 @@ template <class Member>
 class Combinations {
  public:
   Combinations() : combinations_(1) {}
-  /// The combination with one more member.
+  /// Returns the combination with one more member, which exists from then on.
   Index with(Index combination, const Member& member) {
     const auto [at, is_new] = next_.try_emplace({combination, member}, to_index(combinations_.size()));
     if (is_new) {
@@ -33,13 +32,5 @@ class Combinations {
   std::vector<std::vector<Member>> combinations_;  ///< the first is empty
   std::map<std::pair<Index, Member>, Index> next_;
 };
-
-/// Numbers combinations by the names of their members where these have numbers, as Volume50 with the start "Volume",
-/// else from 1. The first, empty one gets 0, as do those that do not occur.
-std::vector<int> number_inp_tags(const std::vector<std::vector<std::string>>& names, const std::vector<bool>& occurs,
-                                 const char* start);
-
-/// Whether number_inp_tags() gives this tag by this name.
-bool is_inp_tag_name(const std::string& name, const char* start, int tag);
 
 }  // namespace tetune
