@@ -255,8 +255,7 @@ class Run {
     std::optional<Comparison> change;
     if (original_ && !stopped()) {
       // Measuring the distances takes long. A bound is tested at all points; otherwise a part of them is measured, so
-      // that
-      // it takes no longer than the optimization.
+      // that it takes no longer than the optimization.
       constexpr std::int64_t kMaxSamples = 25'000;
       const bool at_all = options_.max_deviation > 0 && input_.mesh.curved_edges.empty();
       change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);

@@ -138,6 +138,24 @@ TEST(UntangleCurved, ElementsOfAValidMeshAreSplitWithTheirData) {
   EXPECT_EQ(std::get<std::vector<std::int32_t>>(m.point_data[0].values), std::vector<std::int32_t>(m.points.size(), 7));
 }
 
+TEST(UntangleCurved, SmallerAnglesAreAWarning) {
+  int smaller = 0;
+  for (const double bulge : {-0.3, -0.2, -0.1}) {
+    TetMesh m = test::bulged_cube(bulge);
+    const double before = quality(m).dihedral_min;
+    Options options;
+    options.untangle = true;
+    options.boundary = Boundary::fixed;
+    const Report report = optimize(m, options);
+    const bool is_smaller = quality(m).dihedral_min < before - 1e-9;
+    EXPECT_EQ(report.warnings.size(), is_smaller ? 1U : 0U);
+    if (!is_smaller) continue;
+    ++smaller;
+    EXPECT_TRUE(report.warnings[0].starts_with("the smallest dihedral angle is ")) << report.warnings[0];
+  }
+  EXPECT_GT(smaller, 0);
+}
+
 TEST(UntangleCurved, SplitsCountAsGrowth) {
   TetMesh before = test::ball(3, 0);
   curve(before);

@@ -102,6 +102,8 @@ class CurvedOptimizer {
     report.straightened = std::move(straightened_);
     if (!counts_input_) count_curved_vertices(input_, caller_, report);
     report.targets = report_curved_targets(result, caller_, report.vertex2original);
+    report.warnings.clear();  // of the straight mesh
+    if (caller_.untangle) report.warnings = warn_of_smaller_angle(input_, result, caller_.threads);
   }
 
   /// The energy of the straight tetrahedra.
@@ -276,7 +278,6 @@ class CurvedOptimizer {
     refuse_curved(input_, caller_, {invalid, in_input(left), in_input(with_folded_face(base_, left)), is_stopped()});
   }
   bool is_stopped() const { return context_.stop && context_.stop(); }
-
   std::vector<CurvedTet> measure(const TetMesh& mesh) const { return measure_curved_tets(mesh, options_.threads); }
   double smallest(const TetMesh& mesh) const {
     double least = 1;
@@ -390,7 +391,7 @@ Report optimize_curved(TetMesh& mesh, const Options& options, const Context& con
   RunWarnings warnings(mesh, options);
   Report report = CurvedOptimizer(mesh, options, hooks.context()).run(mesh);
   if (hooks.is_stopped()) report.stop = StopReason::cancelled;
-  warnings.add_to(report);
+  warnings.add_to(report, std::move(report.warnings));
   report.seconds = PhaseTimer::seconds_since(start);
   add_seconds(report, "curved", report.seconds - seconds_of_phases(report));
   return report;

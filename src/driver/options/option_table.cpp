@@ -127,7 +127,7 @@ constexpr std::array kSurfaceEditConditions{
     OptionCondition{[](const Options& o) { return is_edit(o) && o.boundary == Boundary::fixed; },
                     "edits inner vertices only with boundary=fixed"},
     OptionCondition{[](const Options& o) { return is_edit(o) && has_deviation_bound(o); },
-                    "edits inner vertices only with max_deviation"},
+                    "edits inner vertices only with max_deviation, and those in flat patches of curved meshes"},
     OptionCondition{[](const Options& o) { return is_edit(o) && (!o.boundary_flips || !o.flips || o.max_ring == 3); },
                     "edits inner vertices only where edges of the surface are not flipped"}};
 constexpr std::array kGrowthConditions{

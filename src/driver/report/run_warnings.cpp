@@ -2,10 +2,12 @@
 #include "driver/report/run_warnings.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <type_traits>
 #include <utility>
 
 #include "tetune/option_table.hpp"
+#include "tetune/quality.hpp"
 
 namespace tetune {
 namespace {
@@ -48,6 +50,19 @@ void RunWarnings::add_to(Report& report, std::vector<std::string> of_run, bool m
   }
   for (std::string& warning : of_run) warnings_.push_back(std::move(warning));
   report.warnings.swap(warnings_);
+}
+
+std::vector<std::string> warn_of_smaller_angle(const TetMesh& input, const TetMesh& result, int threads) {
+  constexpr double kAccuracy = 1e-9;  // degrees
+  const double before = quality(input, threads).dihedral_min;
+  const double after = quality(result, threads).dihedral_min;
+  if (after >= before - kAccuracy) return {};
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "the smallest dihedral angle is %.3g degrees, and was %.3g in the input: curved elements that were not "
+                "valid needed the space; effort=best and boundary=slide enlarge it",
+                after, before);
+  return {text};
 }
 
 }  // namespace tetune
