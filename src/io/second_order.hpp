@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tetune/mesh.hpp"
@@ -59,5 +62,23 @@ class Middles {
   std::vector<std::array<Index, 2>> edges_;
   Index first_ = 0;
 };
+
+/// The most nodes of a simplex.
+inline constexpr std::size_t kMaxSimplexNodes = 10;
+
+/// Writes the nodes of a tetrahedron, triangle or edge as files list them: the vertices, in the order of the input, and
+/// where there are `middles` those in the middles of `edges`.
+template <std::size_t N, std::size_t E>
+void list_simplex(const TetMesh& mesh, std::array<Index, N> vertices, const Middles* middles,
+                  const std::array<Pair, E>& edges, std::array<Index, kMaxSimplexNodes>& nodes) {
+  if constexpr (N == 4) {
+    if (mesh.listed_inside_out) std::swap(vertices[2], vertices[3]);
+  }
+  std::copy(vertices.begin(), vertices.end(), nodes.begin());
+  if (middles == nullptr) return;
+  for (std::size_t k = 0; k < E; ++k) {
+    nodes[N + k] = middles->of(vertices[std::size_t(edges[k][0])], vertices[std::size_t(edges[k][1])]);
+  }
+}
 
 }  // namespace tetune

@@ -119,7 +119,7 @@ class NastranWriter {
                    const NodesOf& nodes_of) {
     const std::map<int, int>& tag2number = properties_[dimension];
     write_records(file_, cpu_, tags.size(), [&](std::string& text, std::size_t e) {
-      std::array<Index, 10> nodes;
+      std::array<Index, kMaxSimplexNodes> nodes;
       nodes_of(e, nodes);
       append_card(text, card, tag2number.at(tags[e]), next_element_ + std::int64_t(e), nodes.data(), n);
     });
@@ -133,24 +133,17 @@ class NastranWriter {
   void write_simplices(std::string_view card, std::size_t dimension, const std::vector<std::array<Index, N>>& elements,
                        const std::vector<int>& tags, const std::array<Pair, E>& edges) {
     const std::size_t n = N + (middles_ != nullptr ? E : 0);
-    write_cards(card, dimension, n, tags, [&](std::size_t e, std::array<Index, 10>& nodes) {
-      std::array<Index, N> v = elements[e];
-      if constexpr (N == 4) {
-        if (mesh_.listed_inside_out) std::swap(v[2], v[3]);
-      }
-      std::copy(v.begin(), v.end(), nodes.begin());
-      if (middles_ == nullptr) return;
-      for (std::size_t k = 0; k < E; ++k) {
-        nodes[N + k] = middles_->of(v[to_size_t(edges[k][0])], v[to_size_t(edges[k][1])]);
-      }
+    write_cards(card, dimension, n, tags, [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
+      list_simplex(mesh_, elements[e], middles_, edges, nodes);
     });
   }
 
   void write_elements(const NastranElementKind& kind) {
     if (kind.card == "CROD") {
-      return write_cards(kind.card, 1, 2, mesh_.edge_tags, [this](std::size_t e, std::array<Index, 10>& nodes) {
-        std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
-      });
+      return write_cards(kind.card, 1, 2, mesh_.edge_tags,
+                         [this](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
+                           std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
+                         });
     }
     if (kind.card == (middles_ == nullptr ? "CTRIA3" : "CTRIA6")) {
       return write_simplices(kind.card, 2, mesh_.triangles, mesh_.triangle_tags, kTriangleEdges);
@@ -159,10 +152,11 @@ class NastranWriter {
     if (kind.role != Role::other || !kind.is_written) return;
     for (const ElementBlock& block : mesh_.others) {
       if (block.kind != kind.block) continue;
-      write_cards(
-          kind.card, kind.dimension(), kind.vertices, block.tags, [&](std::size_t e, std::array<Index, 10>& nodes) {
-            std::copy_n(block.element2vertex.begin() + std::ptrdiff_t(e * kind.vertices), kind.vertices, nodes.begin());
-          });
+      write_cards(kind.card, kind.dimension(), kind.vertices, block.tags,
+                  [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
+                    std::copy_n(block.element2vertex.begin() + std::ptrdiff_t(e * kind.vertices), kind.vertices,
+                                nodes.begin());
+                  });
     }
   }
 

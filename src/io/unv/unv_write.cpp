@@ -139,7 +139,7 @@ class UnvWriter {
       append_integer(text, std::int64_t(n));
       text += '\n';
       if (kind.role == Role::edge) text += "         0         1         1\n";
-      std::array<Index, 10> nodes{}, listed{};
+      std::array<Index, kMaxSimplexNodes> nodes{}, listed{};
       nodes_of(e, nodes);
       for (std::size_t k = 0; k < n; ++k) listed[unv_place(kind.role, n, k)] = nodes[k];
       constexpr std::size_t kPerLine = 8;
@@ -158,16 +158,8 @@ class UnvWriter {
   void write_simplices(const UnvElementKind& kind, const std::vector<std::array<Index, N>>& elements,
                        const std::vector<int>& tags, const std::array<Pair, E>& edges) {
     const std::size_t n = N + (middles_ != nullptr ? E : 0);
-    write_records_of(kind, n, tags, [&](std::size_t e, std::array<Index, 10>& nodes) {
-      std::array<Index, N> v = elements[e];
-      if constexpr (N == 4) {
-        if (mesh_.listed_inside_out) std::swap(v[2], v[3]);
-      }
-      std::copy(v.begin(), v.end(), nodes.begin());
-      if (middles_ == nullptr) return;
-      for (std::size_t k = 0; k < E; ++k) {
-        nodes[N + k] = middles_->of(v[to_size_t(edges[k][0])], v[to_size_t(edges[k][1])]);
-      }
+    write_records_of(kind, n, tags, [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
+      list_simplex(mesh_, elements[e], middles_, edges, nodes);
     });
   }
   void write_elements(const UnvElementKind& kind) {
@@ -179,7 +171,7 @@ class UnvWriter {
     if (kind.role != Role::other) return;
     for (const ElementBlock& block : mesh_.others) {
       if (block.kind != kind.block) continue;
-      write_records_of(kind, kind.vertices, block.tags, [&](std::size_t e, std::array<Index, 10>& nodes) {
+      write_records_of(kind, kind.vertices, block.tags, [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
         std::copy_n(block.element2vertex.begin() + std::ptrdiff_t(e * kind.vertices), kind.vertices, nodes.begin());
       });
     }
