@@ -222,6 +222,45 @@ class Curved(CliTest):
         done = self.run_cli("move", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--to", self.path_of("in.msh"), code=2)
         self.assertIn("curved", done.stderr)
 
+    def test_invalid_curved_elements_are_named_beside_verdicts(self):
+        nodes, points, on_surface = curved_block(n=3, jitter=0)
+        write_msh(self.path_of("good.msh"), nodes, points)
+        inner = next(v for v in nodes[len(nodes) // 2][4:] if v not in on_surface)
+        points[inner] = tuple(x + d for x, d in zip(points[inner], (0.2, 0.15, 0.1)))
+        write_msh(self.path_of("bad.msh"), nodes, points)
+        curved = self.info("bad.msh", code=1)["quality"]["curved"]
+        invalid = curved["tetrahedra"] - curved["valid"]
+        around = [t + 1 for t, row in enumerate(nodes) if inner in row]
+        self.assertGreater(invalid, 0)
+
+        def run(*words, code=1):
+            return self.run_cli(*words, "--worst", "0", code=code, cwd=self.folder).stdout
+
+        reason = f"{invalid} curved tetrahedra are not proved valid (first, counted from 1: "
+        note = f"(criteria judge straight tetrahedra; {invalid} curved ones are not proved valid)\n"
+        text = run("info", "bad.msh", "--criteria", "calculix")
+        self.assertIn("  " + reason, text)
+        self.assertIn("acceptance by calculix: pass " + note, text)
+        self.assertNotIn("valid: every volume positive", text)
+        text = run("info", "--check", "bad.msh", "--criteria", "calculix")
+        self.assertTrue(text.startswith("bad.msh: " + reason), text)
+        self.assertTrue(text.endswith("; calculix: pass " + note), text)
+        self.assertEqual(len(text.splitlines()), 1)
+        text = run("compare", "good.msh", "bad.msh", "--criteria", "calculix")
+        self.assertIn("acceptance before by calculix: pass\n", text)
+        self.assertIn("acceptance after by calculix: pass " + note, text)
+        self.assertTrue(text.splitlines()[-1].startswith("  bad.msh: " + reason), text)
+        self.assertIn("  bad.msh: " + reason, run("compare", "bad.msh", "good.msh"))
+        sides = json.loads(run("compare", "good.msh", "bad.msh", "--json", "--criteria", "calculix"))
+        self.assertEqual(sides["before"]["validity"], {"valid": True, "findings": []})
+        self.assertEqual(sides["before"]["acceptance"]["curved_not_valid"], 0)
+        for side in (sides["after"], json.loads(run("info", "bad.msh", "--json", "--criteria", "calculix"))):
+            self.assertIs(side["validity"]["valid"], False)
+            finding, = side["validity"]["findings"]
+            self.assertEqual(finding["count"], invalid)
+            self.assertTrue(finding["first"] and set(finding["first"]) <= set(around), finding)
+            self.assertEqual(side["acceptance"]["curved_not_valid"], invalid)
+
 
 if __name__ == "__main__":
     cli_case.main(__doc__)
