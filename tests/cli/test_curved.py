@@ -261,6 +261,19 @@ class Curved(CliTest):
             self.assertTrue(finding["first"] and set(finding["first"]) <= set(around), finding)
             self.assertEqual(side["acceptance"]["curved_not_valid"], invalid)
 
+    def test_a_dry_run_counts_the_vertices_that_slide(self):
+        nodes, points, _ = curved_block(n=3, jitter=0.25, straight=True)
+        write_msh(self.path_of("in.msh"), nodes, points)
+        kinds = {"free vertices": "free", "vertices in planes": "in_plane", "vertices on lines": "on_line",
+                 "vertices on surface": "on_surface", "vertices on curves": "on_curve", "fixed vertices": "fixed"}
+        for words in ([], ["--boundary", "slide"], ["--boundary", "slide", "--data", "interpolate"]):
+            dry = self.run_cli("optimize", self.path_of("in.msh"), "--dry-run", *words).stdout
+            self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--report", self.path_of("r.json"), *words)
+            run = json.loads(self.path_of("r.json").read_text())["optimization"]
+            counts = {name: int(count) for name, count in re.findall(r"(?m)^  ([a-z ]+?) +(\d+)$", dry) if name in kinds}
+            self.assertEqual(counts, {name: run["vertices_" + key] for name, key in kinds.items() if run["vertices_" + key] > 0})
+            self.assertEqual("vertices on surface" in counts, "slide" in words)
+
 
 if __name__ == "__main__":
     cli_case.main(__doc__)

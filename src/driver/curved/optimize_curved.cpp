@@ -63,6 +63,7 @@ class CurvedOptimizer {
                                OnStop::complete);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
+    if (runs_twice) counts_input_ = false;  // the surface has not slid
     if (runs_twice && !is_stopped()) slide_from(result, report);
     report_whole(result, report);
     mesh = std::move(result);
