@@ -214,13 +214,24 @@ class Curved(CliTest):
         nodes, points, _ = curved_block(n=2)
         write_msh(self.path_of("in.msh"), nodes, points)
         done = self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--only-below", "20", code=2)
-        self.assertIn("curved second-order elements", done.stderr)
+        self.assertIn("--only-below: curved second-order elements are relaxed wherever they are; leave it out", done.stderr)
 
     def test_move_refuses_curved_meshes(self):
         nodes, points, _ = curved_block(n=2)
         write_msh(self.path_of("in.msh"), nodes, points)
         done = self.run_cli("move", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--to", self.path_of("in.msh"), code=2)
-        self.assertIn("curved", done.stderr)
+        self.assertIn("convert it to straight ones (tetune convert --order 1)", done.stderr)
+
+    def test_straightening_of_periodic_meshes_is_refused(self):
+        nodes, points, _ = curved_block(n=2, jitter=0, bends=False)
+        inner = next(row[4 + k] for row in nodes for k, (a, b) in enumerate(EDGES)
+                     if all(0 < (points[row[a]][i] + points[row[b]][i]) / 2 < 1 for i in range(3)))
+        points[inner] = tuple(x + 0.02 for x in points[inner])
+        write_msh(self.path_of("in.msh"), nodes, points)
+        words = ["optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--periodic", "x", "--untangle"]
+        said = self.run_cli(*words, "--straighten", code=2).stderr
+        self.assertIn("--straighten: mid-side nodes of periodic vertices would no longer match; leave it out", said)
+        self.run_cli(*words)
 
     def test_invalid_curved_elements_are_named_beside_verdicts(self):
         nodes, points, on_surface = curved_block(n=3, jitter=0)
