@@ -90,8 +90,10 @@ void check_geometry_arguments(const CLI::App& command, OptimizeArguments& a) {
 }
 
 std::string with_library_flags(const std::string& text) {
-  constexpr std::pair<std::string_view, std::string_view> kNames[] = {{"geometry_unit=", "--geometry-unit "},
-                                                                      {"(order 1)", "(--order 1)"}};
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {
+      {"geometry_unit=", "--geometry-unit "},
+      {"(order 1)", "(--order 1)"},
+      {"(order 1: an empty curved_edges)", "(tetune convert --order 1)"}};
   std::string flags = with_flags(text);
   for (const auto& [name, flag] : kNames) {
     if (const auto at = flags.find(name); at != std::string::npos) flags.replace(at, name.size(), flag);

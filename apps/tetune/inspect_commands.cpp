@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands info and compare.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -60,6 +60,7 @@ struct Inspection {
   ValidationReport validity;
   Quality quality;
   bool measured = true;
+  std::vector<Index> invalid_curved;           ///< curved tetrahedra that are not proved valid
   std::optional<AcceptanceReport> acceptance;  ///< with --criteria
   std::optional<Geometry> geometry;            ///< with --geometry
   GeometryMatch match;
@@ -70,8 +71,17 @@ std::optional<AcceptanceCriteria> criteria_of(const InspectArguments& a) {
   return a.criteria.empty() ? std::nullopt : std::optional(read_criteria(a.criteria));
 }
 
-bool is_valid(const Inspection& i) { return !i.mesh.tets.empty() && i.validity.ok() && i.quality.curved.all_valid(); }
+bool is_valid(const Inspection& i) { return !i.mesh.tets.empty() && i.validity.ok() && i.invalid_curved.empty(); }
 bool is_accepted(const Inspection& i) { return !i.acceptance || i.acceptance->verdict != Verdict::fail; }
+
+/// In increasing order.
+std::vector<Index> find_invalid_curved(const TetMesh& mesh, int threads) {
+  std::vector<Index> ids;
+  for (const CurvedTet& t : measure_curved_each(mesh, threads)) {
+    if (t.validity != CurvedValidity::valid) ids.push_back(t.tet);
+  }
+  return ids;
+}
 
 Inspection inspect(const InspectArguments& a, const std::optional<AcceptanceCriteria>& criteria, std::size_t file) {
   Inspection i;
@@ -79,6 +89,7 @@ Inspection inspect(const InspectArguments& a, const std::optional<AcceptanceCrit
   i.validity = validate(i.mesh, a.threads);
   try {
     i.quality = measure_all(i.mesh, a.threads, a.worst);
+    if (!i.quality.curved.all_valid()) i.invalid_curved = find_invalid_curved(i.mesh, a.threads);
     if (criteria) i.acceptance = tetune::check(i.mesh, *criteria, a.threads);
   } catch (const MeshError&) {
     i.measured = false;
@@ -120,13 +131,62 @@ std::string to_text(const BoundVerdict& v) {
                      up ? ">=" : "<=", v.bound.value);
 }
 
+std::string defects_of(const Inspection& i) { return validity_message(i.validity, !i.mesh.curved_edges.empty()); }
+
+/// The first of a list, counted from 1.
+std::vector<Index> first_from_1(const std::vector<Index>& ids) {
+  constexpr std::size_t kShown = 5;
+  std::vector<Index> first;
+  for (std::size_t k = 0; k < std::min(kShown, ids.size()); ++k) first.push_back(ids[k] + 1);
+  return first;
+}
+
+/// The reason why a mesh is not valid; empty if it is.
+std::string invalidity_of(const Inspection& i) {
+  if (!i.validity.ok()) return defects_of(i);
+  if (i.mesh.tets.empty()) return "there is no tetrahedron";
+  if (i.invalid_curved.empty()) return "";
+  return fmt::format("{} curved tetrahedra are not proved valid (first, counted from 1: {})", i.invalid_curved.size(),
+                     fmt::join(first_from_1(i.invalid_curved), ", "));
+}
+
+/// Follows a verdict of criteria, which do not know curved elements.
+std::string acceptance_note(const Inspection& i) {
+  if (i.invalid_curved.empty()) return "";
+  return fmt::format(" (criteria judge straight tetrahedra; {} curved ones are not proved valid)",
+                     i.invalid_curved.size());
+}
+
+nlohmann::ordered_json validity_json(const Inspection& i) {
+  nlohmann::ordered_json json = to_json(i.validity);
+  if (i.invalid_curved.empty()) return json;
+  json["valid"] = false;
+  json["findings"].push_back({{"kind", "curved tetrahedra that are not proved valid"},
+                              {"where", "tetrahedra"},
+                              {"count", i.invalid_curved.size()},
+                              {"first", first_from_1(i.invalid_curved)}});
+  return json;
+}
+
+nlohmann::ordered_json acceptance_json(const Inspection& i) {
+  nlohmann::ordered_json json = to_json(*i.acceptance);
+  if (i.quality.curved.tets > 0) json["curved_not_valid"] = i.invalid_curved.size();
+  return json;
+}
+
+/// Of one of two files.
+nlohmann::ordered_json side_json(const std::string& file, const Inspection& i) {
+  nlohmann::ordered_json json = {{"file", file}, {"validity", validity_json(i)}, {"quality", to_json(i.quality)}};
+  if (i.acceptance) json["acceptance"] = acceptance_json(i);
+  return json;
+}
+
 void print_json(const InspectArguments& a, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
-  nlohmann::ordered_json json = {
-      {"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", to_json(i.validity)}};
+  nlohmann::ordered_json json = {{"file", a.files[0]}, {"counts", counts_json(i.mesh)}, {"validity", validity_json(i)}};
   const Box box = bounding_box(i.mesh);
   json["box"] = {{"low", box.low}, {"high", box.high}, {"diagonal", box.diagonal()}};
   if (i.measured) json["quality"] = to_json(i.quality);
-  if (i.acceptance) json["acceptance"] = to_json(*i.acceptance);
+  if (i.acceptance) json["acceptance"] = acceptance_json(i);
   if (i.geometry) json["geometry"] = to_json(*i.geometry, i.match);
   for (const BoundVerdict& v : verdicts) {
     json["bounds"].push_back(
@@ -135,20 +195,15 @@ void print_json(const InspectArguments& a, const Inspection& i, const std::vecto
   fmt::print("{}", json_text(json));
 }
 
-std::string defects_of(const Inspection& i) { return validity_message(i.validity, !i.mesh.curved_edges.empty()); }
-
 /// One line, for --check.
 void print_verdict(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
-  std::string text = !i.validity.ok()                ? defects_of(i)
-                     : i.mesh.tets.empty()           ? "there is no tetrahedron"
-                     : !i.quality.curved.all_valid() ? fmt::format("{} curved tetrahedra are not proved valid",
-                                                                   i.quality.curved.tets - i.quality.curved.valid)
-                                                     : "valid";
+  std::string text = is_valid(i) ? "valid" : invalidity_of(i);
   for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) {
     text.replace(at, 3, text[at - 1] == ':' ? " " : "; ");
   }
   for (const BoundVerdict& v : verdicts) text += "; " + to_text(v);
-  if (i.acceptance) text += fmt::format("; {}: {}", i.acceptance->name, to_string(i.acceptance->verdict));
+  if (i.acceptance)
+    text += fmt::format("; {}: {}{}", i.acceptance->name, to_string(i.acceptance->verdict), acceptance_note(i));
   fmt::print("{}: {}\n", name, text);
 }
 
@@ -159,13 +214,9 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
   fmt::print("  box                     {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}, diagonal {:.6g}\n", box.low[0],
              box.low[1], box.low[2], box.high[0], box.high[1], box.high[2], box.diagonal());
   if (i.measured && has_tets) fmt::print("  volume                  {:.6g}\n", i.quality.volume);
-  if (i.validity.ok() && !has_tets) {
-    fmt::print("  there is no tetrahedron\n");
-  } else if (i.validity.ok()) {
-    fmt::print("  valid: every volume positive, every face on one or two tetrahedra, boundary closed\n");
-  } else {
-    fmt::print("  {}\n", defects_of(i));
-  }
+  fmt::print("  {}\n", is_valid(i)
+                           ? "valid: every volume positive, every face on one or two tetrahedra, boundary closed"
+                           : invalidity_of(i));
   if (i.measured && has_tets) {
     const auto& findings = i.validity.findings;
     const bool inverted = std::any_of(findings.begin(), findings.end(),
@@ -177,7 +228,7 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
   }
   if (i.geometry) fmt::print("{}", match_table(*i.geometry, i.match));
   for (const BoundVerdict& v : verdicts) fmt::print("  {}\n", to_text(v));
-  if (i.acceptance) fmt::print("{}", acceptance_table("acceptance", *i.acceptance));
+  if (i.acceptance) fmt::print("{}", acceptance_table("acceptance", *i.acceptance, acceptance_note(i)));
 }
 
 int info(const CLI::App& c, const InspectArguments& a) {
@@ -219,23 +270,22 @@ int compare_files(const InspectArguments& a) {
   }
   const Comparison c = compare(before.mesh, after.mesh, a.threads);
   if (a.json) {
-    nlohmann::ordered_json json = {
-        {"before",
-         {{"file", a.files[0]}, {"validity", to_json(before.validity)}, {"quality", to_json(before.quality)}}},
-        {"after", {{"file", a.files[1]}, {"validity", to_json(after.validity)}, {"quality", to_json(after.quality)}}},
-        {"change", to_json(c)}};
-    if (before.acceptance) json["before"]["acceptance"] = to_json(*before.acceptance);
-    if (after.acceptance) json["after"]["acceptance"] = to_json(*after.acceptance);
-    fmt::print("{}", json_text(json));
+    fmt::print("{}", json_text({{"before", side_json(a.files[0], before)},
+                                {"after", side_json(a.files[1], after)},
+                                {"change", to_json(c)}}));
   } else {
     fmt::print("{}{}{}{}{}{}", quality_table({"before", "after"}, {before.quality, after.quality}),
                measure_table("measures before", before.quality), measure_table("measures after", after.quality),
                worst_table("worst before", before.quality), worst_table("worst after", after.quality),
                comparison_table(c));
-    if (before.acceptance) fmt::print("{}", acceptance_table("acceptance before", *before.acceptance));
-    if (after.acceptance) fmt::print("{}", acceptance_table("acceptance after", *after.acceptance));
-    if (!before.validity.ok()) fmt::print("  {}: {}\n", a.files[0], defects_of(before));
-    if (!after.validity.ok()) fmt::print("  {}: {}\n", a.files[1], defects_of(after));
+    if (before.acceptance) {
+      fmt::print("{}", acceptance_table("acceptance before", *before.acceptance, acceptance_note(before)));
+    }
+    if (after.acceptance) {
+      fmt::print("{}", acceptance_table("acceptance after", *after.acceptance, acceptance_note(after)));
+    }
+    if (!is_valid(before)) fmt::print("  {}: {}\n", a.files[0], invalidity_of(before));
+    if (!is_valid(after)) fmt::print("  {}: {}\n", a.files[1], invalidity_of(after));
   }
   return is_valid(before) && is_valid(after) && is_accepted(after) ? kDone : kStoppedEarly;
 }

@@ -324,9 +324,9 @@ std::string count_line(const Report& r, const char* reason) {
   return text + straightened_text(r.straightened);
 }
 
-std::string acceptance_table(const std::string& title, const AcceptanceReport& report) {
+std::string acceptance_table(const std::string& title, const AcceptanceReport& report, const std::string& note) {
   const auto limit = [](const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : "-"; };
-  std::string text = fmt::format("  {} by {}: {}\n", title, report.name, to_string(report.verdict));
+  std::string text = fmt::format("  {} by {}: {}{}\n", title, report.name, to_string(report.verdict), note);
   text += fmt::format("  {:<22}{:>8}{:>14}{:>14}{:>14}{:>10}{:>10}{:>10}    {}\n", "criterion", "verdict", "worst",
                       "warn", "fail", "warned", "failed", "allowed", "worst tetrahedron, from 1");
   for (const CriterionResult& r : report.results) {

@@ -41,8 +41,9 @@ std::string constraint_table(const Report& report);
 /// Listed elements that do not constrain or were dropped.
 std::vector<std::string> constraint_notes(const Report& report);
 
-/// The verdict of each criterion. `title` says of which mesh: "acceptance", "acceptance before".
-std::string acceptance_table(const std::string& title, const AcceptanceReport& report);
+/// The verdict of each criterion. `title` says of which mesh: "acceptance", "acceptance before". `note` follows the
+/// verdict on the mesh.
+std::string acceptance_table(const std::string& title, const AcceptanceReport& report, const std::string& note = "");
 
 /// The rounds on what fails, and the constraints that limit what still does; empty if there is neither.
 std::string criteria_table(const CriteriaReport& report);

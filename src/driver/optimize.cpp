@@ -30,7 +30,7 @@ Report run_on_device(TetMesh& mesh, const Options& options, const Context& conte
   if (!mesh.curved_edges.empty()) {
     throw MeshError("the mesh has " + std::to_string(mesh.curved_edges.size()) +
                     " curved edges of second-order elements, which are not supported here; convert it to straight ones "
-                    "(to .mesh, or by an empty curved_edges in C++)");
+                    "(order 1: an empty curved_edges)");
   }
   const LatchedHooks hooks(context);
   const Context& until_stopped = hooks.context();

@@ -214,13 +214,76 @@ class Curved(CliTest):
         nodes, points, _ = curved_block(n=2)
         write_msh(self.path_of("in.msh"), nodes, points)
         done = self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--only-below", "20", code=2)
-        self.assertIn("curved second-order elements", done.stderr)
+        self.assertIn("--only-below: curved second-order elements are relaxed wherever they are; leave it out", done.stderr)
 
     def test_move_refuses_curved_meshes(self):
         nodes, points, _ = curved_block(n=2)
         write_msh(self.path_of("in.msh"), nodes, points)
         done = self.run_cli("move", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--to", self.path_of("in.msh"), code=2)
-        self.assertIn("curved", done.stderr)
+        self.assertIn("convert it to straight ones (tetune convert --order 1)", done.stderr)
+
+    def test_straightening_of_periodic_meshes_is_refused(self):
+        nodes, points, _ = curved_block(n=2, jitter=0, bends=False)
+        inner = next(row[4 + k] for row in nodes for k, (a, b) in enumerate(EDGES)
+                     if all(0 < (points[row[a]][i] + points[row[b]][i]) / 2 < 1 for i in range(3)))
+        points[inner] = tuple(x + 0.02 for x in points[inner])
+        write_msh(self.path_of("in.msh"), nodes, points)
+        words = ["optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--periodic", "x", "--untangle"]
+        said = self.run_cli(*words, "--straighten", code=2).stderr
+        self.assertIn("--straighten: mid-side nodes of periodic vertices would no longer match; leave it out", said)
+        self.run_cli(*words)
+
+    def test_invalid_curved_elements_are_named_beside_verdicts(self):
+        nodes, points, on_surface = curved_block(n=3, jitter=0)
+        write_msh(self.path_of("good.msh"), nodes, points)
+        inner = next(v for v in nodes[len(nodes) // 2][4:] if v not in on_surface)
+        points[inner] = tuple(x + d for x, d in zip(points[inner], (0.2, 0.15, 0.1)))
+        write_msh(self.path_of("bad.msh"), nodes, points)
+        curved = self.info("bad.msh", code=1)["quality"]["curved"]
+        invalid = curved["tetrahedra"] - curved["valid"]
+        around = [t + 1 for t, row in enumerate(nodes) if inner in row]
+        self.assertGreater(invalid, 0)
+
+        def run(*words, code=1):
+            return self.run_cli(*words, "--worst", "0", code=code, cwd=self.folder).stdout
+
+        reason = f"{invalid} curved tetrahedra are not proved valid (first, counted from 1: "
+        note = f"(criteria judge straight tetrahedra; {invalid} curved ones are not proved valid)\n"
+        text = run("info", "bad.msh", "--criteria", "calculix")
+        self.assertIn("  " + reason, text)
+        self.assertIn("acceptance by calculix: pass " + note, text)
+        self.assertNotIn("valid: every volume positive", text)
+        text = run("info", "--check", "bad.msh", "--criteria", "calculix")
+        self.assertTrue(text.startswith("bad.msh: " + reason), text)
+        self.assertTrue(text.endswith("; calculix: pass " + note), text)
+        self.assertEqual(len(text.splitlines()), 1)
+        text = run("compare", "good.msh", "bad.msh", "--criteria", "calculix")
+        self.assertIn("acceptance before by calculix: pass\n", text)
+        self.assertIn("acceptance after by calculix: pass " + note, text)
+        self.assertTrue(text.splitlines()[-1].startswith("  bad.msh: " + reason), text)
+        self.assertIn("  bad.msh: " + reason, run("compare", "bad.msh", "good.msh"))
+        sides = json.loads(run("compare", "good.msh", "bad.msh", "--json", "--criteria", "calculix"))
+        self.assertEqual(sides["before"]["validity"], {"valid": True, "findings": []})
+        self.assertEqual(sides["before"]["acceptance"]["curved_not_valid"], 0)
+        for side in (sides["after"], json.loads(run("info", "bad.msh", "--json", "--criteria", "calculix"))):
+            self.assertIs(side["validity"]["valid"], False)
+            finding, = side["validity"]["findings"]
+            self.assertEqual(finding["count"], invalid)
+            self.assertTrue(finding["first"] and set(finding["first"]) <= set(around), finding)
+            self.assertEqual(side["acceptance"]["curved_not_valid"], invalid)
+
+    def test_a_dry_run_counts_the_vertices_that_slide(self):
+        nodes, points, _ = curved_block(n=3, jitter=0.25, straight=True)
+        write_msh(self.path_of("in.msh"), nodes, points)
+        kinds = {"free vertices": "free", "vertices in planes": "in_plane", "vertices on lines": "on_line",
+                 "vertices on surface": "on_surface", "vertices on curves": "on_curve", "fixed vertices": "fixed"}
+        for words in ([], ["--boundary", "slide"], ["--boundary", "slide", "--data", "interpolate"]):
+            dry = self.run_cli("optimize", self.path_of("in.msh"), "--dry-run", *words).stdout
+            self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--report", self.path_of("r.json"), *words)
+            run = json.loads(self.path_of("r.json").read_text())["optimization"]
+            counts = {name: int(count) for name, count in re.findall(r"(?m)^  ([a-z ]+?) +(\d+)$", dry) if name in kinds}
+            self.assertEqual(counts, {name: run["vertices_" + key] for name, key in kinds.items() if run["vertices_" + key] > 0})
+            self.assertEqual("vertices on surface" in counts, "slide" in words)
 
 
 if __name__ == "__main__":

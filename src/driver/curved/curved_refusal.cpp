@@ -51,14 +51,14 @@ std::string joined(const std::vector<std::string>& remedies) {
 void check_curved_input(const TetMesh& mesh, const Options& options) {
   check_options(options);
   if (!options.only_below.empty()) {
-    throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it empty");
+    throw OptionError("only_below: curved second-order elements are relaxed wherever they are; leave it out");
   }
   if (options.data == DataTransfer::conserve) {
     throw OptionError(
         "data=conserve intersects straight tetrahedra, and this mesh has curved ones; use data=interpolate");
   }
   if (options.straighten && !mesh.periodic.empty()) {
-    throw OptionError("straighten: mid-side nodes of periodic vertices would no longer match; set it to false");
+    throw OptionError("straighten=true: mid-side nodes of periodic vertices would no longer match; leave it out");
   }
   if (const ValidationReport report = validate(mesh, options.threads); !report.ok()) {
     throw MeshError(

@@ -63,6 +63,7 @@ class CurvedOptimizer {
                                OnStop::complete);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
+    if (runs_twice) counts_input_ = false;  // the surface has not slid
     if (runs_twice && !is_stopped()) slide_from(result, report);
     report_whole(result, report);
     mesh = std::move(result);
@@ -102,8 +103,8 @@ class CurvedOptimizer {
     report.straightened = std::move(straightened_);
     if (!counts_input_) count_curved_vertices(input_, caller_, report);
     report.targets = report_curved_targets(result, caller_, report.vertex2original);
-    report.warnings.clear();  // of the straight mesh
-    if (caller_.untangle) report.warnings = warn_of_smaller_angle(input_, result, caller_.threads);
+    report.warnings =
+        caller_.untangle ? warn_of_smaller_angle(input_, result, caller_.threads) : std::vector<std::string>();
   }
 
   /// The energy of the straight tetrahedra.
