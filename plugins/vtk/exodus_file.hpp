@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,22 @@ class File {
   void close() { check(ex_close(std::exchange(id_, -1)), "write the file"); }
   void check(int status, const char* what) const {
     if (status < 0) fail(what);
+  }
+  std::vector<int> ids(ex_entity_type type, std::int64_t count) const {
+    std::vector<int> result(std::size_t(count), 0);
+    if (count > 0) check(ex_get_ids(id_, type, result.data()), "read the numbers of blocks and sets");
+    return result;
+  }
+  std::vector<std::string> variable_names(ex_entity_type type) const {
+    int n = 0;
+    check(ex_get_variable_param(id_, type, &n), "read the variables");
+    std::vector<std::string> names;
+    for (int i = 1; i <= n; ++i) {
+      std::array<char, kNames + 1> name{};
+      check(ex_get_variable_name(id_, type, i, name.data()), "read the name of a variable");
+      names.emplace_back(name.data());
+    }
+    return names;
   }
   static constexpr int kNames = 256;
 
@@ -71,5 +88,10 @@ inline const std::vector<KindOfElement> kKinds{
     {"HEX8", {"HEX"}, 8, 8},
 };
 inline constexpr std::size_t kTets = 0, kTriangles = 2, kEdges = 4, kOthers = 6;
+
+/// Warns of contents of a file that TetMesh has no place for.
+void warn_of_losses_on_reading(const File& file, const ex_init_params& counts, Warnings& warnings);
+/// Warns of data whose integers doubles cannot hold.
+void warn_of_rounded_integers(const TetMesh& mesh, Warnings& warnings);
 
 }  // namespace tetune::plugin

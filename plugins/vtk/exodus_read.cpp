@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <set>
 
 #include "exodus.hpp"
 #include "exodus_file.hpp"
@@ -54,14 +55,15 @@ class ExodusReader {
     constexpr std::int64_t kMost = std::numeric_limits<Index>::max();
     if (counts.num_nodes > kMost || counts.num_elem > kMost) throw FileError("more than 2^31 nodes or elements");
     read_points(counts.num_nodes);
-    const std::vector<int> block_ids = ids(EX_ELEM_BLOCK, counts.num_elem_blk);
-    const std::vector<int> set_ids = ids(EX_SIDE_SET, counts.num_side_sets);
+    const std::vector<int> block_ids = file_.ids(EX_ELEM_BLOCK, counts.num_elem_blk);
+    const std::vector<int> set_ids = file_.ids(EX_SIDE_SET, counts.num_side_sets);
     for (const int id : block_ids) free_numbers_.take(id);
     for (const int id : set_ids) free_numbers_.take(id);
     for (const int id : block_ids) read_block(id);
     for (const int id : set_ids) read_side_set(id);
-    for (const int id : ids(EX_NODE_SET, counts.num_node_sets)) read_node_set(id);
+    for (const int id : file_.ids(EX_NODE_SET, counts.num_node_sets)) read_node_set(id);
     read_variables();
+    warn_of_losses_on_reading(file_, counts, warnings_);
     for (ElementBlock& block : others_) {
       if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
     }
@@ -69,12 +71,6 @@ class ExodusReader {
   }
 
  private:
-  std::vector<int> ids(ex_entity_type type, std::int64_t count) const {
-    std::vector<int> result(std::size_t(count), 0);
-    if (count > 0) file_.check(ex_get_ids(file_.id(), type, result.data()), "read the numbers of blocks and sets");
-    return result;
-  }
-
   std::string name_of(ex_entity_type type, int id) const {
     std::array<char, File::kNames + 1> name{};
     if (ex_get_name(file_.id(), type, id, name.data()) < 0) return "";
@@ -248,36 +244,49 @@ class ExodusReader {
         {std::string(kNodeSet) + std::to_string(id) + (name.empty() ? "" : ":" + name), 1, std::move(in_set)});
   }
 
-  std::vector<std::string> variable_names(ex_entity_type type) const {
-    int n = 0;
-    file_.check(ex_get_variable_param(file_.id(), type, &n), "read the variables");
-    std::vector<std::string> names;
-    for (int i = 1; i <= n; ++i) {
-      std::array<char, File::kNames + 1> name{};
-      file_.check(ex_get_variable_name(file_.id(), type, i, name.data()), "read the name of a variable");
-      names.emplace_back(name.data());
+  /// The number of variables from `first` on that are the components of one array: name_X, name_Y and possibly name_Z;
+  /// or name_1 to name_4 and further. 1 for a scalar. `taken`: all names.
+  static std::size_t count_components(const std::vector<DataArray>& data, std::size_t first,
+                                      const std::set<std::string>& taken) {
+    const std::string& name = data[first].name;
+    if (name.size() < 3) return 1;
+    const std::string base = name.substr(0, name.size() - 2);
+    const auto is_named = [&](std::size_t c, const std::string& suffix) {
+      return first + c < data.size() && data[first + c].name == base + suffix;
+    };
+    if (taken.contains(base)) return 1;
+    if (is_named(0, "_X") && is_named(1, "_Y")) {
+      if (is_named(2, "_Z")) return 3;
+      return taken.contains(base + "_Z") ? 1 : 2;
     }
-    return names;
+    std::size_t n = 0;
+    while (is_named(n, "_" + std::to_string(n + 1))) ++n;
+    return n > 3 ? n : 1;
   }
 
-  /// Joins variables: three variables name_X, name_Y, name_Z in sequence are a vector, unless there is a variable with
-  /// its name.
-  static void join_vectors(std::vector<DataArray>& data) {
-    for (std::size_t i = 0; i + 2 < data.size(); ++i) {
-      const std::string& first = data[i].name;
-      if (first.size() < 2 || first.compare(first.size() - 2, 2, "_X") != 0) continue;
-      const std::string base = first.substr(0, first.size() - 2);
-      if (data[i + 1].name != base + "_Y" || data[i + 2].name != base + "_Z") continue;
-      const auto has_name = [&base](const DataArray& array) { return array.name == base; };
-      if (std::any_of(data.begin(), data.end(), has_name)) continue;
-      std::vector<double> joined;
-      const std::size_t n = std::get<std::vector<double>>(data[i].values).size();
-      for (std::size_t v = 0; v < n; ++v) {
-        for (std::size_t c = 0; c < 3; ++c) joined.push_back(std::get<std::vector<double>>(data[i + c].values)[v]);
+  /// Joins variables in sequence that are the components of one array, unless there is a variable with its name.
+  static void join_components(std::vector<DataArray>& data) {
+    std::set<std::string> taken;
+    for (const DataArray& array : data) taken.insert(array.name);
+    std::vector<DataArray> joined;
+    for (std::size_t i = 0; i < data.size();) {
+      const std::size_t each = count_components(data, i, taken);
+      if (each == 1) {
+        joined.push_back(std::move(data[i++]));
+        continue;
       }
-      data[i] = {base, 3, std::move(joined)};
-      data.erase(data.begin() + std::ptrdiff_t(i) + 1, data.begin() + std::ptrdiff_t(i) + 3);
+      std::vector<double> values;
+      const std::size_t n = std::get<std::vector<double>>(data[i].values).size();
+      values.reserve(n * each);
+      for (std::size_t v = 0; v < n; ++v) {
+        for (std::size_t c = 0; c < each; ++c) values.push_back(std::get<std::vector<double>>(data[i + c].values)[v]);
+      }
+      const std::string& first = data[i].name;
+      joined.push_back({first.substr(0, first.size() - 2), int(each), std::move(values)});
+      taken.insert(joined.back().name);
+      i += each;
     }
+    data = std::move(joined);
   }
 
   void read_variables() {
@@ -288,16 +297,16 @@ class ExodusReader {
     const int time = std::max(time_, 1);
     int index = 0;
     std::vector<DataArray> nodal;
-    for (const std::string& name : variable_names(EX_NODAL)) {
+    for (const std::string& name : file_.variable_names(EX_NODAL)) {
       std::vector<double> values(mesh_.points.size());
       file_.check(ex_get_var(file_.id(), time, EX_NODAL, ++index, 1, std::ssize(values), values.data()),
                   "read a variable");
       nodal.push_back({name, 1, std::move(values)});
     }
-    join_vectors(nodal);
+    join_components(nodal);
     std::move(nodal.begin(), nodal.end(), std::back_inserter(mesh_.point_data));
     index = 0;
-    for (const std::string& name : variable_names(EX_ELEM_BLOCK)) {
+    for (const std::string& name : file_.variable_names(EX_ELEM_BLOCK)) {
       ++index;
       std::vector<double> values;
       for (const Block& block : blocks_) {
@@ -309,7 +318,7 @@ class ExodusReader {
       }
       if (!values.empty()) mesh_.tet_data.push_back({name, 1, std::move(values)});
     }
-    join_vectors(mesh_.tet_data);
+    join_components(mesh_.tet_data);
     if (index > 0 && std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.kind >= kTriangles; })) {
       warnings_.push_back("variables of elements are kept on tetrahedra only");
     }

@@ -13,6 +13,7 @@
 #include "io/losses.hpp"
 #include "io/second_order.hpp"
 #include "io/tag_numbers.hpp"
+#include "limited_names.hpp"
 #include "mesh/listed_faces.hpp"
 #include "mesh/node_sets.hpp"
 
@@ -39,9 +40,10 @@ class Writer {
     collect(middles.get());
     const std::map<int, std::vector<std::array<int, 2>>> side_sets = find_sides(middles.get());
     choose_ids();
+    find_node_sets();
+    shorten_all_names();
     choose_names();
     warn_of_losses();
-    find_node_sets();
     std::int64_t elements = 0;
     for (const OutBlock& block : blocks_) elements += std::ssize(block.elements);
     const auto count = [](const auto& list) { return std::ssize(list); };
@@ -213,6 +215,7 @@ class Writer {
     if (!mesh_.triangle_data.empty() || !mesh_.edge_data.empty()) {
       warnings_.push_back("data are kept on vertices and tetrahedra only");
     }
+    warn_of_rounded_integers(mesh_, warnings_);
   }
 
   void find_node_sets() {
@@ -233,6 +236,28 @@ class Writer {
       node_sets_.push_back(std::move(set));
     }
     mesh_.point_data = std::move(rest);
+  }
+
+  /// The library cuts longer names.
+  void shorten_all_names() {
+    constexpr std::size_t kMost = File::kNames - 1;
+    const auto shorten = [this](const std::vector<LimitedName>& names, const char* what) {
+      shorten_names(
+          names, [](char) { return std::size_t{1}; }, what, warnings_);
+    };
+    for (auto* data : {&mesh_.point_data, &mesh_.tet_data}) {
+      std::vector<LimitedName> names;
+      for (DataArray& array : *data) {
+        const std::size_t each = components_of(array);
+        names.push_back({&array.name, kMost - component_suffix(each, each - 1).size()});
+      }
+      shorten(names, "data");
+    }
+    std::vector<LimitedName> groups, sets;
+    for (Group& group : mesh_.groups) groups.push_back({&group.name, kMost});
+    for (NodeSet& set : node_sets_) sets.push_back({&set.name, kMost});
+    shorten(groups, "group");
+    shorten(sets, "node set");
   }
 
   void write_points() {
@@ -265,13 +290,18 @@ class Writer {
     std::string name;
     std::vector<double> values;
   };
+  /// The end of the name of a component's variable, as ExodusReader joins them.
+  static std::string component_suffix(std::size_t each, std::size_t component) {
+    if (each <= 1) return "";
+    std::string suffix = "_";
+    return suffix.append(each <= 3 ? std::string(1, "XYZ"[component]) : std::to_string(component + 1));
+  }
   static std::vector<Variable> variables_of(const std::vector<DataArray>& data) {
     std::vector<Variable> variables;
     for (const DataArray& array : data) {
       const std::size_t each = components_of(array);
       for (std::size_t c = 0; c < each; ++c) {
-        Variable variable{array.name, {}};
-        if (each > 1) variable.name.append(1, '_').append(each <= 3 ? std::string(1, "XYZ"[c]) : std::to_string(c + 1));
+        Variable variable{array.name + component_suffix(each, c), {}};
         std::visit(
             [&](const auto& values) {
               for (std::size_t i = c; i < values.size(); i += each) {

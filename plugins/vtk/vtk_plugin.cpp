@@ -13,6 +13,7 @@
 
 #include "exodus.hpp"
 #include "grid.hpp"
+#include "limited_names.hpp"
 #include "plugin.hpp"
 
 namespace tetune::plugin {
@@ -128,6 +129,7 @@ void write(const std::string& file, TetMesh mesh, Warnings& warnings) {
     writer->SetCompressionLevel(1);
     written = write_by(*writer);
   } else if (ending == ".vtk") {
+    shorten_names_for_legacy(mesh, warnings);
     vtkNew<vtkUnstructuredGridWriter> writer;
     writer->SetFileName(file.c_str());
     writer->SetInputData(to_grid(std::move(mesh), warnings));
