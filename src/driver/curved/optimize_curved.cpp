@@ -103,8 +103,7 @@ class CurvedOptimizer {
     report.straightened = std::move(straightened_);
     if (!counts_input_) count_curved_vertices(input_, caller_, report);
     report.targets = report_curved_targets(result, caller_, report.vertex2original);
-    report.warnings =
-        caller_.untangle ? warn_of_smaller_angle(input_, result, caller_.threads) : std::vector<std::string>();
+    report.warnings = warn_of_smaller_angle(input_, result, caller_);
   }
 
   /// The energy of the straight tetrahedra.

@@ -52,10 +52,11 @@ void RunWarnings::add_to(Report& report, std::vector<std::string> of_run, bool m
   report.warnings.swap(warnings_);
 }
 
-std::vector<std::string> warn_of_smaller_angle(const TetMesh& input, const TetMesh& result, int threads) {
+std::vector<std::string> warn_of_smaller_angle(const TetMesh& input, const TetMesh& result, const Options& options) {
+  if (!options.untangle) return {};
   constexpr double kAccuracy = 1e-9;  // degrees
-  const double before = quality(input, threads).dihedral_min;
-  const double after = quality(result, threads).dihedral_min;
+  const double before = quality(input, options.threads).dihedral_min;
+  const double after = quality(result, options.threads).dihedral_min;
   if (after >= before - kAccuracy) return {};
   char text[256];
   std::snprintf(text, sizeof text,

@@ -24,8 +24,8 @@ class RunWarnings {
   std::string of_fields_;
 };
 
-/// A warning where the smallest dihedral angle of the result is below that of the input, as it may be where curved
-/// elements have been made valid; else nothing.
-std::vector<std::string> warn_of_smaller_angle(const TetMesh& input, const TetMesh& result, int threads);
+/// With Options::untangle, a warning where the smallest dihedral angle of the result is below that of the input, as it
+/// may be where curved elements have been made valid; else nothing.
+std::vector<std::string> warn_of_smaller_angle(const TetMesh& input, const TetMesh& result, const Options& options);
 
 }  // namespace tetune
