@@ -74,7 +74,7 @@ std::optional<AcceptanceCriteria> criteria_of(const InspectArguments& a) {
 bool is_valid(const Inspection& i) { return !i.mesh.tets.empty() && i.validity.ok() && i.invalid_curved.empty(); }
 bool is_accepted(const Inspection& i) { return !i.acceptance || i.acceptance->verdict != Verdict::fail; }
 
-/// In increasing order.
+/// The curved tetrahedra that are not proved valid, in increasing order.
 std::vector<Index> find_invalid_curved(const TetMesh& mesh, int threads) {
   std::vector<Index> ids;
   for (const CurvedTet& t : measure_curved_each(mesh, threads)) {
@@ -133,7 +133,7 @@ std::string to_text(const BoundVerdict& v) {
 
 std::string defects_of(const Inspection& i) { return validity_message(i.validity, !i.mesh.curved_edges.empty()); }
 
-/// The first of a list, counted from 1.
+/// The first numbers of a list, counted from 1.
 std::vector<Index> first_from_1(const std::vector<Index>& ids) {
   constexpr std::size_t kShown = 5;
   std::vector<Index> first;
@@ -150,7 +150,7 @@ std::string invalidity_of(const Inspection& i) {
                      fmt::join(first_from_1(i.invalid_curved), ", "));
 }
 
-/// Follows a verdict of criteria, which do not know curved elements.
+/// The text behind a verdict of criteria, which do not know curved elements.
 std::string acceptance_note(const Inspection& i) {
   if (i.invalid_curved.empty()) return "";
   return fmt::format(" (criteria judge straight tetrahedra; {} curved ones are not proved valid)",
@@ -174,7 +174,7 @@ nlohmann::ordered_json acceptance_json(const Inspection& i) {
   return json;
 }
 
-/// Of one of two files.
+/// The JSON of one of two files.
 nlohmann::ordered_json side_json(const std::string& file, const Inspection& i) {
   nlohmann::ordered_json json = {{"file", file}, {"validity", validity_json(i)}, {"quality", to_json(i.quality)}};
   if (i.acceptance) json["acceptance"] = acceptance_json(i);
