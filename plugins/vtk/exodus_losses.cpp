@@ -6,22 +6,10 @@
 #include <type_traits>
 
 #include "exodus_file.hpp"
+#include "io/plain_text.hpp"
 
 namespace tetune::plugin {
 namespace {
-
-/// Texts with commas between them, of which the first eight are listed.
-template <class Texts>
-std::string listed(const Texts& texts) {
-  constexpr std::size_t kMost = 8;
-  std::string list;
-  std::size_t n = 0;
-  for (const std::string& text : texts) {
-    if (n++ == kMost) return list + " and " + std::to_string(texts.size() - kMost) + " more";
-    list.append(list.empty() ? "" : ", ").append(text);
-  }
-  return list;
-}
 
 class Losses {
  public:
@@ -44,7 +32,7 @@ class Losses {
 
  private:
   void warn(const std::string& what, const std::vector<std::string>& which) {
-    if (!which.empty()) warnings_.push_back("the " + what + " " + listed(which) + " are not kept");
+    if (!which.empty()) warnings_.push_back("the " + what + " " + listed_texts(which) + " are not kept");
   }
 
   template <class Has>
@@ -123,7 +111,7 @@ void warn_of_rounded_integers(const TetMesh& mesh, Warnings& warnings) {
     }
   }
   if (names.empty()) return;
-  warnings.push_back("integers beyond 2^53 are rounded, as Exodus stores doubles: data " + listed(names));
+  warnings.push_back("integers beyond 2^53 are rounded, as Exodus stores doubles: data " + listed_texts(names));
 }
 
 }  // namespace tetune::plugin

@@ -163,4 +163,35 @@ inline std::string_view text(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
+/// What a format keeps of coordinates.
+enum class Coordinates { exact, rounded };
+
+/// Fails unless a mesh is read back as it was written.
+inline void check_written(const std::string& path, const std::string& out, Coordinates coordinates) {
+  const TetMesh mesh = read_mesh(path, nullptr, 1);
+  if (!validate(mesh, 1).ok()) return;
+  write_mesh(out, mesh, 1);
+  const TetMesh back = read_mesh(out, nullptr, 1);
+  const bool has_points =
+      coordinates == Coordinates::exact ? back.points == mesh.points : back.points.size() == mesh.points.size();
+  if (!has_points || back.tets.size() != mesh.tets.size() || back.triangles != mesh.triangles ||
+      back.edges != mesh.edges) {
+    fail("a written mesh was read back as another one");
+  }
+}
+
+/// One input of a target for a text format that is read and written.
+inline int check_format(const std::uint8_t* data, std::size_t size, const std::string& ending,
+                        Coordinates coordinates) {
+  static Folder folder;
+  const std::string path = folder.put("in" + ending, text(data, size));
+  try {
+    check_written(path, folder.path("out" + ending), coordinates);
+  } catch (const FileError&) {
+    return 0;
+  }
+  check(path);
+  return 0;
+}
+
 }  // namespace tetune::fuzz

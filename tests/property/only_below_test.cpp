@@ -3,16 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <ostream>
-#include <set>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "mesh/id_maps.hpp"
-#include "mesh/tet.hpp"
 #include "only_below_fixture.hpp"
 #include "support/constrained.hpp"
 #include "support/meshes.hpp"
@@ -206,79 +203,6 @@ TEST(OnlyBelowLimit, nothing_is_done_where_nothing_is_bad) {
             report.tets_before);
 }
 
-std::set<std::array<Index, 2>> edges_of(const TetMesh& mesh) {
-  std::set<std::array<Index, 2>> edges;
-  for (const auto& tet : mesh.tets) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = 0; j < i; ++j) edges.insert({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
-    }
-  }
-  return edges;
-}
-
-TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
-  std::int64_t dropped = 0;
-  for (const std::uint32_t seed : {1U, 2U, 3U}) {
-    TetMesh mesh = test::cube(6, 0.2, seed);
-    const auto edges = edges_of(mesh);
-    mesh.edges.assign(edges.begin(), edges.end());
-    mesh.edge_tags.assign(mesh.edges.size(), 0);
-    Options options;
-    options.only_below = {{Measure::min_dihedral, 36}};
-    options.rings = 0;
-    dropped += optimize(mesh, options).edges_dropped;
-    const auto existing = edges_of(mesh);
-    for (const auto& [a, b] : mesh.edges) EXPECT_TRUE(existing.contains({std::min(a, b), std::max(a, b)}));
-  }
-  EXPECT_GT(dropped, 0);
-}
-
-/// A triangle inside the part may have frozen vertices alone.
-TEST(OnlyBelowLimit, listed_triangles_that_no_longer_are_faces_are_dropped) {
-  const auto faces_of = [](const TetMesh& mesh) {
-    std::set<std::array<Index, 3>> faces;
-    for (const auto& tet : mesh.tets) {
-      for (std::size_t f = 0; f < 4; ++f) faces.insert(ascending_face(tet, f));
-    }
-    return faces;
-  };
-  for (const std::uint32_t seed : {1U, 2U, 3U}) {
-    TetMesh mesh = test::cube(6, 0.2, seed);
-    const auto before = faces_of(mesh);
-    mesh.triangles.assign(before.begin(), before.end());
-    mesh.triangle_tags.assign(mesh.triangles.size(), 0);
-    Options options;
-    options.only_below = {{Measure::min_dihedral, 36}};
-    options.rings = 0;
-    const Report report = optimize(mesh, options);
-    EXPECT_EQ(report.triangles_dropped, std::ssize(before) - std::ssize(mesh.triangles));
-    EXPECT_GT(report.triangles_dropped, 0);
-    const auto existing = faces_of(mesh);
-    for (const auto& triangle : mesh.triangles) EXPECT_TRUE(existing.contains(ascending(triangle)));
-  }
-}
-
-/// The map of the part's report is empty then, as where all are kept.
-TEST(OnlyBelowLimit, listed_edges_are_dropped_where_the_part_keeps_none) {
-  const TetMesh input = test::cube(6, 0.2);
-  Options options;
-  options.only_below = {{Measure::min_dihedral, 60}};
-  TetMesh mesh = input;
-  optimize(mesh, options);
-  const auto kept = edges_of(mesh);
-  mesh = input;
-  for (const auto& edge : edges_of(input)) {
-    if (!kept.contains(edge) && mesh.edges.size() < 5) mesh.edges.push_back(edge);
-  }
-  ASSERT_EQ(mesh.edges.size(), 5U);
-  mesh.edge_tags.assign(5, 0);
-  const Report report = optimize(mesh, options);
-  EXPECT_EQ(report.edges_dropped, 5);
-  EXPECT_TRUE(mesh.edges.empty());
-  EXPECT_TRUE(mesh.edge_tags.empty());
-  EXPECT_TRUE(report.edge2original.empty());
-}
-
 TEST(OnlyBelowLimit, targets_are_reported_for_the_whole_mesh) {
   TetMesh mesh = with_bad_corner();
   Options options;
@@ -372,24 +296,6 @@ TEST(OnlyBelowLimit, errors_name_what_is_not_valid_in_the_whole_mesh_or_stay) {
   const MeshError other("flips would need room for too many tetrahedra");
   EXPECT_STREQ(error_of_whole(other, part, inverted, 1).what(), other.what());
   EXPECT_STREQ(error_of_whole(other, part, valid, 1).what(), other.what());
-}
-
-/// A corner that is listed, and that the geometry does not show, is held as in the whole mesh.
-TEST(OnlyBelowLimit, listed_corners_do_not_move) {
-  TetMesh mesh = test::cube(8, 0.2, 3);
-  for (Index v = 0; v < static_cast<Index>(mesh.points.size()) && mesh.corners.empty(); ++v) {
-    const Point3& p = mesh.points[to_size_t(v)];
-    if (p[2] == 0 && p[0] > 0.3 && p[0] < 0.7 && p[1] > 0.3 && p[1] < 0.7) mesh.corners.push_back(v);
-  }
-  ASSERT_EQ(mesh.corners.size(), 1U);
-  const TetMesh before = mesh;
-  Options options;
-  options.only_below = {{Measure::min_dihedral, 40}};
-  options.effort = Effort::best;
-  const Report report = optimize(mesh, options);
-  EXPECT_GT(report.plane_vertices, 0);
-  ASSERT_EQ(mesh.corners, before.corners);
-  EXPECT_EQ(mesh.points[to_size_t(mesh.corners[0])], before.points[to_size_t(before.corners[0])]);
 }
 
 TEST(OnlyBelowLimit, wrong_options_are_refused) {

@@ -98,19 +98,18 @@ class CurvedOptimizer {
   void report_whole(const TetMesh& result, Report& report) {
     report.vertices = std::ssize(input_.points);
     report.tets_before = std::ssize(input_.tets);
-    report.energy_before = energy_of(input_);
-    report.energy_after = energy_of(result);
+    const Quality before = quality(input_, caller_.threads), after = quality(result, caller_.threads);
+    report.energy_before = energy_of(before);
+    report.energy_after = energy_of(after);
     report.straightened = std::move(straightened_);
     if (!counts_input_) count_curved_vertices(input_, caller_, report);
     report.targets = report_curved_targets(result, caller_, report.vertex2original);
-    report.warnings = warn_of_smaller_angle(input_, result, caller_);
+    report.warnings.clear();
+    if (caller_.untangle) report.warnings = warn_of_smaller_angle(before, after);
   }
 
   /// The energy of the straight tetrahedra.
-  double energy_of(const TetMesh& mesh) const {
-    const Quality q = quality(mesh, options_.threads);
-    return options_.energy == Energy::harmonic ? q.eta_sum : q.shape_sum;
-  }
+  double energy_of(const Quality& q) const { return options_.energy == Energy::harmonic ? q.eta_sum : q.shape_sum; }
 
   /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base; with
   /// OnStop::give_up nothing, if a stop is requested before it begins, or while nodes of the surface are lifted.

@@ -39,8 +39,9 @@ class PartTaker {
     take_triangles(frozen_patches);
     take_edges(features.edges);
     const std::vector<std::array<Index, 4>> rest = tets_of_rest();
-    part_.triangle_stays = triangles_of(rest);
-    part_.edge_stays = edges_of(rest);
+    const OtherElements others(mesh_);
+    part_.triangle_stays = triangles_of(rest, others);
+    part_.edge_stays = edges_of(rest, others);
     list_cut(part_.mesh, on_cut_);
     part_.options.frozen_vertices = std::move(frozen_);
     return std::move(part_);
@@ -144,8 +145,8 @@ class PartTaker {
     return rest;
   }
 
-  /// Marks the listed triangles that are faces of these tetrahedra or sides of elements of other kinds.
-  Marks triangles_of(const std::vector<std::array<Index, 4>>& rest) const {
+  /// Marks the listed triangles that are faces of tetrahedra outside the part or sides of elements of other kinds.
+  Marks triangles_of(const std::vector<std::array<Index, 4>>& rest, const OtherElements& others) const {
     const TetMesh& part = part_.mesh;
     std::vector<std::pair<std::array<Index, 3>, Index>> listed;
     for (Index i = 0; i < std::ssize(part.triangles); ++i) listed.emplace_back(span_of(part.triangles)[i], i);
@@ -156,17 +157,16 @@ class PartTaker {
         faces.find(ascending_face(tet, f), [&stays](Index i) { span_of(stays)[i] = 1; });
       }
     }
-    const OtherElements others(mesh_);
     for (std::size_t i = 0; i < stays.size(); ++i) {
       if (others.have(span_of(mesh_.triangles)[part_.triangle2whole[i]])) stays[i] = 1;
     }
     return stays;
   }
 
-  /// Marks the listed edges that last because of their constraints, or of these tetrahedra or elements of other kinds.
-  Marks edges_of(const std::vector<std::array<Index, 4>>& rest) const {
+  /// Marks the listed edges that last because of their constraints, or of tetrahedra outside the part or elements of
+  /// other kinds.
+  Marks edges_of(const std::vector<std::array<Index, 4>>& rest, const OtherElements& others) const {
     Marks stays = lasting_edges(part_.mesh, rest, OtherElements(part_.mesh));
-    const OtherElements others(mesh_);
     for (std::size_t e = 0; e < stays.size(); ++e) {
       if (others.have(span_of(mesh_.edges)[part_.edge2whole[e]])) stays[e] = 1;
     }

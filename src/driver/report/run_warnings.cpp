@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "tetune/option_table.hpp"
-#include "tetune/quality.hpp"
 
 namespace tetune {
 namespace {
@@ -52,17 +51,14 @@ void RunWarnings::add_to(Report& report, std::vector<std::string> of_run, bool m
   report.warnings.swap(warnings_);
 }
 
-std::vector<std::string> warn_of_smaller_angle(const TetMesh& input, const TetMesh& result, const Options& options) {
-  if (!options.untangle) return {};
+std::vector<std::string> warn_of_smaller_angle(const Quality& before, const Quality& after) {
   constexpr double kAccuracy = 1e-9;  // degrees
-  const double before = quality(input, options.threads).dihedral_min;
-  const double after = quality(result, options.threads).dihedral_min;
-  if (after >= before - kAccuracy) return {};
+  if (after.dihedral_min >= before.dihedral_min - kAccuracy) return {};
   char text[256];
   std::snprintf(text, sizeof text,
                 "the smallest dihedral angle is %.3g degrees, and was %.3g in the input: curved elements that were not "
                 "valid needed the space; effort=best and boundary=slide enlarge it",
-                after, before);
+                after.dihedral_min, before.dihedral_min);
   return {text};
 }
 

@@ -6,6 +6,7 @@
 
 #include "tetune/mesh.hpp"
 #include "tetune/options.hpp"
+#include "tetune/quality.hpp"
 #include "tetune/report.hpp"
 
 namespace tetune {
@@ -24,8 +25,8 @@ class RunWarnings {
   std::string of_fields_;
 };
 
-/// With Options::untangle, a warning where the smallest dihedral angle of the result is below that of the input, as it
-/// may be where curved elements have been made valid; else nothing.
-std::vector<std::string> warn_of_smaller_angle(const TetMesh& input, const TetMesh& result, const Options& options);
+/// A warning where the smallest dihedral angle of a result is below that of the input, as it may be where curved
+/// elements have been made valid; else nothing.
+std::vector<std::string> warn_of_smaller_angle(const Quality& before, const Quality& after);
 
 }  // namespace tetune
