@@ -96,7 +96,6 @@ std::unique_ptr<PlaceTracker> run_phases(Optimizer<Backend>& optimizer, MoveJob*
 template <class Backend>
 Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options, const Context& context,
                    SlideSurface* surface, MoveJob* job) {
-  const auto start = PhaseTimer::SteadyClock::now();
   Report report;
   PhaseTimer timer(report);
   report.vertices = std::ssize(mesh.points);
@@ -112,7 +111,7 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
     optimize_on_detail::cut_reference(backend, job->motion, work);
   }
 
-  Optimizer<Backend> optimizer(backend, work, options, context, report, timer, start);
+  Optimizer<Backend> optimizer(backend, work, options, context, timer);
   auto tracker = optimize_on_detail::run_phases(optimizer, job);
   optimizer.sum_energy(optimizer.objective());
   report.energy_after = optimizer.in_callers_unit(optimizer.energy());
@@ -126,7 +125,7 @@ Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options
   }
   timer.measure(Phase::store, [&] {
     const ExportRules rules{
-        .options = options, .is_moved = job != nullptr, .stop_transfer = transfer_stop(context.stop, start)};
+        .options = options, .is_moved = job != nullptr, .stop_transfer = transfer_stop(context.stop, timer.start())};
     export_mesh(backend, work, rules, mesh, surface, report);
   });
   report.tets_after = std::ssize(mesh.tets);

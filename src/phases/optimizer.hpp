@@ -19,15 +19,15 @@ namespace tetune {
 template <class Backend>
 class Optimizer {
  public:
-  Optimizer(const Backend& on, WorkingSet<Backend>& set, const Options& given, const Context& context, Report& result,
-            PhaseTimer& phase_timer, ProgressReporter::SteadyClock::time_point start)
+  Optimizer(const Backend& on, WorkingSet<Backend>& set, const Options& given, const Context& context,
+            PhaseTimer& phase_timer)
       : backend(on),
         work(set),
         options(given),
         tuning(tuning_of(given.effort)),
-        report(result),
+        report(phase_timer.report()),
         timer(phase_timer),
-        progress(context, given, start),
+        progress(context, given, phase_timer.start()),
         unit_(given.energy == Energy::harmonic ? 1 / set.scale : 1) {
     work.flips.max_ring = options.flips ? options.max_ring : 0;
   }

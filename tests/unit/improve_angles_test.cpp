@@ -33,7 +33,7 @@ struct OptimizerOfMesh {
   Report report;
   PhaseTimer timer{report};
   const Context context;
-  Optimizer<Cpu> optimizer{backend, set, options, context, report, timer, PhaseTimer::SteadyClock::now()};
+  Optimizer<Cpu> optimizer{backend, set, options, context, timer};
 };
 
 bool has_many_tied(const TetMesh& mesh) {

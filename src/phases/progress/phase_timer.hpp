@@ -10,12 +10,16 @@
 
 namespace tetune {
 
-/// Adds up the wall-clock time of each phase in Report::phases.
+/// Adds up the wall-clock time of each phase of a run in Report::phases.
 class PhaseTimer {
  public:
   using SteadyClock = backend::SteadyClock;
 
   explicit PhaseTimer(Report& report) : report_(report) {}
+
+  Report& report() const { return report_; }
+  /// When this timer was made: the start of the run.
+  SteadyClock::time_point start() const { return start_; }
 
   static double seconds_since(SteadyClock::time_point start) {
     return std::chrono::duration<double>(SteadyClock::now() - start).count();
@@ -43,6 +47,7 @@ class PhaseTimer {
 
  private:
   Report& report_;
+  SteadyClock::time_point start_ = SteadyClock::now();
 };
 
 }  // namespace tetune

@@ -275,8 +275,7 @@ void RestartSearch::run(Restart& restart, const TrianglesByLowestVertex& triangl
   neighborhood.work.outside = whole_.tets() - std::ssize(restart.found.slots);
   restart.report.tets_before = input_.tets_before;
   PhaseTimer timer(restart.report);
-  Optimizer<Cpu> optimizer(backend, neighborhood.work, options_, context, restart.report, timer,
-                           PhaseTimer::SteadyClock::now());
+  Optimizer<Cpu> optimizer(backend, neighborhood.work, options_, context, timer);
   optimizer.sum_energy(kShapeObjective);
   NeighborhoodOptimizer local(optimizer, input_, weight_, restart.changes);
   WorkMesh<Cpu>& mesh = neighborhood.work.mesh;
