@@ -186,7 +186,7 @@ class Cpu {
     for_blocks(n, blocks, [&](Size b, Size begin, Size end) {
       Size at = begin;
       for (Size i = begin; i < end; ++i) {
-        if (keep(i)) out[at++] = static_cast<Index32>(i);
+        if (keep(i)) out[at++] = to_index(i);
       }
       kept[b] = at - begin;
     });

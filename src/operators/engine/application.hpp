@@ -195,14 +195,18 @@ struct WriteTets {
 
 }  // namespace application_detail
 
-/// Applies a selection; the slots that it needs must not be too many (check_slots()). `changed`, when given, is set for
-/// the vertices whose ring changed; with `marks_changed` the tetrahedra that an activation is to evaluate are marked;
-/// `vertices` are needed by operators that write vertices. The energies in `state` stay up to date; the active set does
-/// not. Returns the pending FlipSum: see reduce_async().
+/// What an application writes beside the mesh and its energies.
+struct ApplicationOutput {
+  Span<std::uint8_t> changed;  ///< set for the vertices whose ring changes; may be empty
+  bool marks_tets = false;     ///< marks the tetrahedra that an activation is to evaluate
+  VertexArrays vertices;       ///< for operators that write vertices
+};
+
+/// Applies a selection; the slots that it needs must not be too many (check_slots()). The energies in `state` stay up
+/// to date; the active set does not. Returns the pending FlipSum: see reduce_async().
 template <class Backend, CavityPatch P>
 auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
-                     FlipState<Backend>& state, Selection<Backend, P>& selection, Span<std::uint8_t> changed,
-                     bool marks_changed, const VertexArrays& vertices = {}) {
+                     FlipState<Backend>& state, Selection<Backend, P>& selection, const ApplicationOutput& output) {
   using namespace application_detail;
   const SelectedRecords<P> records{selection.records.span(), selection.selected.span()};
   const Span<const ChangeCounts> before = selection.before.span();
@@ -217,11 +221,11 @@ auto apply_selection(const Backend& backend, WorkMesh<Backend>& mesh, const Crit
   change.make_room(backend, mesh);
   state.make_room(backend, change.needed);
   ActiveMarks changed_tets;
-  if (marks_changed) changed_tets = {state.marks.span(), state.slack.span()};
+  if (output.marks_tets) changed_tets = {state.marks.span(), state.slack.span()};
   const auto sum = backend.template reduce_async<FlipSum>(
       records.size(),
       WriteTets<P>{rated(mesh, criterion), records, state.tet2bid.span(), before, mesh.free_slots.span(),
-                   change.free_kept, state.energies.span(), changed_tets, changed, vertices});
+                   change.free_kept, state.energies.span(), changed_tets, output.changed, output.vertices});
   change.finish(mesh);
   return sum;
 }
@@ -235,7 +239,8 @@ PassResult flip_selected(const Backend& backend, WorkMesh<Backend>& mesh, const 
   result.evaluated = selection.evaluated;
   if (selection.is_stopped) return result;
   check_slots(SlotChange(mesh, selection.total).needed);
-  const auto pending = apply_selection(backend, mesh, criterion, state, selection, changed, true);
+  const auto pending = apply_selection(backend, mesh, criterion, state, selection,
+                                       ApplicationOutput{.changed = changed, .marks_tets = true, .vertices = {}});
   activate_marked(backend, criterion, state);
   const FlipSum sum = pending.get();
   result.counts = sum.counts;

@@ -17,28 +17,30 @@ struct Propose {
   using Shared = backend::SharedOf<Generator>;
   Generator generator;
   Proposals<typename Generator::Candidate> proposals;
-  Size choices;     ///< the proposals of each are evaluated side by side
-  Size per_choice;  ///< proposals of the batch
+  Size choices;     ///< the proposals of each choice are evaluated side by side
+  Size per_choice;  ///< their number in the batch
 
   TETUNE_INLINE void prefetch(Size i, Size) const {
     if constexpr (requires { generator.prefetch(i); }) generator.prefetch(proposals.first + i);
   }
   TETUNE_HD Sum<Size> operator()(Size i) const {
-    const Size proposal = begin(i, true);
+    const Size proposal = proposal_of(i);
+    clear_bids(proposal);
     return {generator(proposal, proposals)};
   }
   template <class Team, class Memory>
   TETUNE_HD Sum<Size> operator()(const Team& team, Memory& shared, Size i) const {
-    const Size proposal = begin(i, team.rank() == 0);
+    const Size proposal = proposal_of(i);
+    if (team.rank() == 0) clear_bids(proposal);
     return {generator(team, shared, proposal, proposals)};
   }
 
  private:
-  /// The proposal of item i, without candidates yet.
-  TETUNE_HD Size begin(Size i, bool clears) const {
-    const Size proposal = proposals.first + (choices == 1 ? i : i % per_choice * choices + i / per_choice);
-    for (int part = 0; clears && part < Generator::kParts; ++part) proposals.bids[proposals.entry(proposal, part)] = 0;
-    return proposal;
+  TETUNE_HD Size proposal_of(Size i) const {
+    return proposals.first + (choices == 1 ? i : i % per_choice * choices + i / per_choice);
+  }
+  TETUNE_HD void clear_bids(Size proposal) const {
+    for (int part = 0; part < Generator::kParts; ++part) proposals.bids[proposals.entry(proposal, part)] = 0;
   }
 };
 

@@ -141,7 +141,7 @@ struct AssignSlots {
       r.extra_slots[x] = slots.slot_of(Size{before.taken} + x);
     }
     if constexpr (requires { r.patch.assign_vertex(Index{}); }) {
-      r.patch.assign_vertex(static_cast<Index>(vertices + before.inserted));
+      r.patch.assign_vertex(to_index(vertices + before.inserted));
     }
   }
 };
@@ -230,10 +230,11 @@ struct Batch {
 
 /// Makes records of the candidates that may be selected, batch by batch, and polls for a stop before each.
 template <class Backend, class Generator, class P>
-void fill_records(const Backend& backend, WorkMesh<Backend>& mesh, Size count, Size batch, const Generator& generator,
+void fill_records(const Backend& backend, WorkMesh<Backend>& mesh, Size count, const Generator& generator,
                   FlipState<Backend>& state, Selection<Backend, P>& s) {
   using C = typename Generator::Candidate;
   const Size choices = choices_apart<Backend>(generator);
+  const Size batch = batch_size<Backend, Generator>(count, choices);
   Batch<Backend, Generator> of(backend, batch);
   BufferOf<Backend, Index> entries(backend, Generator::kParts * batch);
   Size room = 0;
@@ -301,15 +302,15 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   Selection<Backend, typename C::Patch> s;
   if (count == 0) return s;
   state.start_pass(backend, mesh);
-  const Size batch = batch_size<Backend, Generator>(count, choices_apart<Backend>(generator));
   if constexpr (kIsOwnPatch<C>) {
+    const bool is_one_batch = batch_size<Backend, Generator>(count, choices_apart<Backend>(generator)) == count;
     // There is a record per proposal then: no more memory than batches of all tetrahedra take.
-    if (batch == count && Generator::kParts * count <= mesh.slots() / 4) {
+    if (is_one_batch && Generator::kParts * count <= mesh.slots() / 4) {
       select_and_assign(backend, mesh, count, generator, state, s);
       return s;
     }
   }
-  fill_records(backend, mesh, count, batch, generator, state, s);
+  fill_records(backend, mesh, count, generator, state, s);
   if (!s.is_stopped) select_records(backend, state, s);
   return s;
 }

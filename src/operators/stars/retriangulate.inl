@@ -102,7 +102,8 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
   if (selection.size() == 0 || !has_room()) return {};
   const ChangeCounts& total = selection.total;
   const VertexArrays vertices = grow_vertices(backend, editable, mesh.vertices() + total.inserted);
-  apply_selection(backend, mesh, criterion, flips, selection, dofs.active.span(), false, vertices);
+  apply_selection(backend, mesh, criterion, flips, selection,
+                  ApplicationOutput{.changed = dofs.active.span(), .vertices = vertices});
   if (boundary != nullptr) replace_triangles(backend, selection, *boundary);
   return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};
 }
