@@ -203,8 +203,8 @@ class TargetFollower {
     prepare();
     extend(0);
     const auto next = displaced(std::min(1.0, parameters().min_fraction / rest));
-    for (const bool strict : {false, true}) {
-      const auto slots = find_tets(optimizer_.backend, optimizer_.work.mesh, refuses(next, strict));
+    for (const StepRule rule : {StepRule::volumes, StepRule::volumes_and_energies}) {
+      const auto slots = find_tets(optimizer_.backend, optimizer_.work.mesh, refuses(next, rule));
       if (slots.size() > 0) return slots.download();
     }
     return {};
@@ -222,6 +222,9 @@ class TargetFollower {
   }
 
  private:
+  /// The requirements on a step: positive volumes alone, or energies that do not grow by too much as well.
+  enum class StepRule { volumes, volumes_and_energies };
+
   const MotionParameters& parameters() const { return optimizer_.tuning.motion; }
 
   double smallest_angle() const {
@@ -277,10 +280,9 @@ class TargetFollower {
             sliding_.find_ends(optimizer_.backend, work, displacement, part)};
   }
 
-  /// Without `strict`, only positive volumes count.
-  follow_targets_detail::RefusesStep refuses(const follow_targets_detail::DisplacedPoints& displaced, bool strict) {
-    return {optimizer_.work.mesh.view(), displaced, kShapeObjective, strict ? parameters().safe_energy : kInfeasible,
-            parameters().max_energy_growth};
+  follow_targets_detail::RefusesStep refuses(const follow_targets_detail::DisplacedPoints& displaced, StepRule rule) {
+    const double safe_energy = rule == StepRule::volumes ? kInfeasible : parameters().safe_energy;
+    return {optimizer_.work.mesh.view(), displaced, kShapeObjective, safe_energy, parameters().max_energy_growth};
   }
 
   /// Returns the part of the displacements that can be made in one step, 0 if none; `longest` is the fraction of the
@@ -289,11 +291,11 @@ class TargetFollower {
     using namespace follow_targets_detail;
     const double least = parameters().min_fraction / rest;
     double part = std::min(1.0, longest / rest);
-    for (const bool strict : {true, false}) {
+    for (const StepRule rule : {StepRule::volumes_and_energies, StepRule::volumes}) {
       // Where only volumes count, a much shorter step is better than none.
       constexpr double kShorter = 0.01;
-      for (; part >= (strict ? 1 : kShorter) * least; part *= parameters().step_decrease) {
-        const CountRefusing refusing{refuses(displaced(part), strict)};
+      for (; part >= (rule == StepRule::volumes ? kShorter : 1) * least; part *= parameters().step_decrease) {
+        const CountRefusing refusing{refuses(displaced(part), rule)};
         if (optimizer_.backend.template reduce<Sum<Size>>(optimizer_.work.mesh.slots(), refusing).value == 0)
           return part;
       }
