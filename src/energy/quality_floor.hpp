@@ -24,6 +24,13 @@ struct DihedralCotsT {
 };
 using DihedralCots = DihedralCotsT<double>;
 
+/// The outward cross product of two edges of face f of a tetrahedron; its length is twice the area of the face.
+template <class T>
+TETUNE_HD TETUNE_INLINE Vec3T<T> area_normal(const Vec3T<T> p[4], int f) {
+  const Vec3T<T>& a = p[face_vertex(f, 0)];
+  return cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
+}
+
 /// Visits the dihedral angles of a tetrahedron: `visit(cot, i, j, k, l)` gets the cotangent at edge (k, l) between the
 /// faces opposite i and j. With n_i, n_j the outward cross products of these faces and e the edge,
 /// cos = -n_i . n_j / (|n_i| |n_j|) and sin = w |e| / (|n_i| |n_j|): nothing cancels in a flat tetrahedron.
@@ -126,11 +133,7 @@ struct QualityFloor {
 
   template <class T>
   TETUNE_HD static DihedralCotsT<T> dihedral_cots(const Vec3T<T> p[4], const T& w) {
-    Vec3T<T> n[4];
-    for (int f = 0; f < 4; ++f) {
-      const Vec3T<T>& a = p[face_vertex(f, 0)];
-      n[f] = cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
-    }
+    const Vec3T<T> n[4] = {area_normal(p, 0), area_normal(p, 1), area_normal(p, 2), area_normal(p, 3)};
     DihedralCotsT<T> cots;
     for_each_dihedral_cot(p, n, w, [&cots](const T& cot, int, int, int, int) {
       cots.max = cot > cots.max ? cot : cots.max;

@@ -220,7 +220,7 @@ class AngleCostRing {
   TETUNE_HD TETUNE_INLINE void find_angle_costs(const Vec3& x, int begin, Pack (&costs)[kAngles]) const {
     Vec3T<Pack> p[4];
     gather_corners(x, begin, p);
-    const Vec3T<Pack> n[4] = {normal(p, 0), normal(p, 1), normal(p, 2), normal(p, 3)};
+    const Vec3T<Pack> n[4] = {area_normal(p, 0), area_normal(p, 1), area_normal(p, 2), area_normal(p, 3)};
     int angle = 0;
     for_each_dihedral_cot(p, n, orient_det(p), [&](const Pack& cot, int, int, int, int) {
       costs[angle++] = DihedralCotsT<Pack>{cot, cot}.cost(mesh_.obtuse_weight);
@@ -268,11 +268,6 @@ class AngleCostRing {
   template <class Condition, class T>
   TETUNE_HD TETUNE_INLINE static Vec3T<T> select(const Condition& condition, const Vec3T<T>& a, const Vec3T<T>& b) {
     return {condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z};
-  }
-  template <class T>
-  TETUNE_HD TETUNE_INLINE static Vec3T<T> normal(const Vec3T<T> p[4], int f) {
-    const Vec3T<T>& a = p[face_vertex(f, 0)];
-    return cross(p[face_vertex(f, 1)] - a, p[face_vertex(f, 2)] - a);
   }
 
   /// In local lengths.

@@ -17,7 +17,7 @@ using FanMask = std::uint32_t;
 template <class Pack>
 struct SurfaceFan {
   static constexpr int kMaxTriangles = 16;
-  static constexpr int kLanes = sizeof(Pack) / sizeof(double);
+  static constexpr int kLanes = kLanesOf<Pack>;
 
   /// A vector per triangle.
   struct Vectors {

@@ -78,16 +78,16 @@ class TriangleDeviation : DeviationInput {
     if (!(n2 > 0)) return false;
     const Prism prism{x, (1 / n2) * cross(b, normal), (1 / n2) * cross(normal, a), (1 / std::sqrt(n2)) * normal};
 
-    ReferenceQueue queue;
+    Traversal traversal;
+    ReferenceQueue& queue = traversal.queue;
     add_triangles_at(on, queue);
     add_triangles_at(surface_points[va], queue);
     add_triangles_at(surface_points[vb], queue);
-    const int starts = queue.count;
-    WedgeCache wedges;
-    Coverage coverage;
+    traversal.starts = queue.count;
     for (int i = 0; i < queue.count; ++i) {
-      if (!visit(corner, prism, i, starts, queue, wedges, coverage)) return false;
+      if (!visit(corner, prism, i, traversal)) return false;
     }
+    const Coverage& coverage = traversal.coverage;
     const double uncovered = (1 - coverage.area) * std::sqrt(n2);
     if (uncovered <= kMaxUncovered * std::sqrt(n2)) return true;
     // Beside a feature line the triangle may extend beyond the patch by the area between the line and its chord.
@@ -187,6 +187,14 @@ class TriangleDeviation : DeviationInput {
     double max_height = 0;
   };
 
+  /// The state of a traversal of the reference surface.
+  struct Traversal {
+    ReferenceQueue queue;
+    int starts = 0;  ///< the number of triangles at the starting points, which come first in the queue
+    WedgeCache wedges;
+    Coverage coverage;
+  };
+
   TETUNE_HD void add_triangles_at(const SurfacePoint& on, ReferenceQueue& queue) const {
     if (on.kind == SurfacePointKind::triangle) {
       queue.add(on.item);
@@ -206,9 +214,11 @@ class TriangleDeviation : DeviationInput {
     }
   }
 
-  /// Processes reference triangle i of the queue and adds its neighbors. False: the bound is exceeded, or memory.
-  TETUNE_HD bool visit(std::uint32_t corner, const Prism& prism, int i, int starts, ReferenceQueue& queue,
-                       WedgeCache& wedges, Coverage& coverage) const {
+  /// Processes reference triangle i of the queue and adds its neighbors. Returns false where the bound, or the memory
+  /// for the traversal, is exceeded.
+  TETUNE_HD bool visit(std::uint32_t corner, const Prism& prism, int i, Traversal& traversal) const {
+    ReferenceQueue& queue = traversal.queue;
+    WedgeCache& wedges = traversal.wedges;
     PrismPoint polygon[kMaxPolygon];
     PrismPoint corners[3];
     int n = 3;
@@ -217,7 +227,7 @@ class TriangleDeviation : DeviationInput {
     for (int side = 0; side < 3 && n > 0; ++side) n = clip(polygon, n, side);
     queue.relevant[i] = false;
     // Triangles at the starting points may belong to other patches; those of this patch may be reached again later.
-    if (n < 3 && i < starts && !is_beside_relevant(queue, i)) {
+    if (n < 3 && i < traversal.starts && !is_beside_relevant(queue, i)) {
       queue.triangle[i] = kNone;
       return true;
     }
@@ -236,7 +246,7 @@ class TriangleDeviation : DeviationInput {
     }
     if (n < 3 && !in_wedge) return true;
     queue.relevant[i] = true;
-    if (!add_coverage(polygon, n, coverage)) return false;
+    if (!add_coverage(polygon, n, traversal.coverage)) return false;
     for (Index k = 0; k < 3; ++k) {
       const Index opposite = ref.across[3 * queue.triangle[i] + k];
       if (opposite != kFeatureEdge) queue.add(opposite / 3);

@@ -118,7 +118,10 @@ class FaceCluster {
 
   TETUNE_HD void add(const Tets& tets, const Index v[3]) {
     Face& f = faces_[count_++];
-    for (int k = 0; k < 3; ++k) f.v[k] = v[k], f.beyond[k] = 0;
+    for (int k = 0; k < 3; ++k) {
+      f.v[k] = v[k];
+      f.beyond[k] = 0;
+    }
     f.tets[0] = tets.above;
     f.tets[1] = tets.below;
   }

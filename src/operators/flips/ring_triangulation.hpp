@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "backend/pack.hpp"
 #include "energy/criterion.hpp"
 #include "energy/harmonic.hpp"
 #include "operators/flips/flip_candidate.hpp"
@@ -34,11 +35,7 @@ class RingFan {
   TETUNE_HD TETUNE_INLINE Vec3 operator[](int m) const { return {x_[m], y_[m], z_[m]}; }
   /// Vertices m, m + 1, ...
   TETUNE_HD TETUNE_INLINE Vec3T<Pack> pack(int m) const {
-    Vec3T<Pack> v;
-    std::memcpy(&v.x, x_ + m, sizeof(Pack));
-    std::memcpy(&v.y, y_ + m, sizeof(Pack));
-    std::memcpy(&v.z, z_ + m, sizeof(Pack));
-    return v;
+    return {backend::load<Pack>(x_ + m), backend::load<Pack>(y_ + m), backend::load<Pack>(z_ + m)};
   }
 
   /// Sets the fans of both ends.
@@ -112,7 +109,7 @@ class RingFans {
   }
 
  private:
-  static constexpr int kLanes = sizeof(Pack) / sizeof(double);
+  static constexpr int kLanes = kLanesOf<Pack>;
   static constexpr int kPolygons = kMaxRing * (kMaxRing - 1) / 2;
   /// Increases by 1 with i, and by k with k.
   TETUNE_HD TETUNE_INLINE static int interval_index(int i, int k) { return k * (k - 1) / 2 + i; }
