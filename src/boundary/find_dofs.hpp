@@ -122,6 +122,7 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   const Options& options = input.options;
   const Size vertices = mesh.vertices();
   const bool slides = options.boundary == Boundary::slide;
+  if (slides) check_sliding_vertices(vertices);
   dofs.dof.resize(backend, vertices);
   dofs.axis.resize(backend, vertices);
   dofs.active.resize(backend, vertices);

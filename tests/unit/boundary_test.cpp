@@ -6,6 +6,7 @@
 #include <random>
 
 #include "boundary/constraints.hpp"
+#include "boundary/sliding/reference_surface.hpp"
 #include "boundary/surface.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "math/closest_triangle.hpp"
@@ -248,6 +249,11 @@ TEST(Constraints, OfManyGroupsAndLinksTakeLinearTime) {
 TEST(Surface, IsRejectedWhereItsCornersExceed32Bits) {
   EXPECT_NO_THROW(check_surface_size(715'827'882));
   EXPECT_THROW(check_surface_size(715'827'883), MeshError);
+}
+
+TEST(ReferenceSurface, IsRejectedWhereItsSegmentsExceed32Bits) {
+  EXPECT_NO_THROW(check_sliding_vertices(1'073'741'824));
+  EXPECT_THROW(check_sliding_vertices(1'073'741'825), MeshError);
 }
 
 TEST(ClosestTriangle, OfADegenerateTriangleIsOnItsEdges) {

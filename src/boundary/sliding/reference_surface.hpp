@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "boundary/surface.hpp"
 #include "boundary/vertex_dof.hpp"
+#include "tetune/error.hpp"
 
 /// The reference surface: the input surface as it was, on which the boundary vertices slide (Sect. 4.3).
 namespace tetune {
@@ -20,6 +23,14 @@ enum class SurfacePointKind : std::int32_t {
   triangle,  ///< inside; item: the triangle
   segment,   ///< inside an edge of a feature line; item: 2 * vertex + side, from that vertex to line[vertex].next[side]
 };
+
+/// Segments are numbered by Index.
+inline void check_sliding_vertices(Size vertices) {
+  constexpr Size kMaxVertices = Size{std::numeric_limits<Index>::max()} / 2 + 1;
+  if (vertices <= kMaxVertices) return;
+  throw MeshError("the mesh has " + std::to_string(vertices) + " vertices; with boundary=slide it can have at most " +
+                  std::to_string(kMaxVertices) + ". Use boundary=preserve, or remove vertices of no tetrahedron.");
+}
 
 /// The element of the reference surface that a vertex is on; its position is stored elsewhere.
 struct SurfacePoint {

@@ -32,21 +32,21 @@ struct RetriangulationLimits {
   double mean_energy = 0;
 };
 
-/// Improves some tetrahedra, listed in ascending order, by operators that retriangulate a cavity from one point. Each
-/// tetrahedron proposes the removal of one of its edges, with a vertex around that edge moved to where this is possible
-/// (CompositeRemoval). With a finite `vertex_cost` it also proposes the retriangulation of a cavity around it from one
-/// of its vertices (CavityRetriangulation), and where it has an angle with a larger cost, the insertion of a vertex on
-/// each of its edges and inside it (VertexInsertion) and the contraction of each of its free vertices to each other
-/// (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a `boundary`, vertices
-/// are inserted and removed there too (SurfaceInsertion, SurfaceContraction); the surface keeps its shape, or bends
-/// within kMaxBend where it may. Constrained edges stay as they are.
+/// Improves the `worst` tetrahedra, listed in ascending order, by operators that retriangulate a cavity from one point.
+/// Each tetrahedron proposes the removal of one of its edges, with a vertex around that edge moved to where this is
+/// possible (CompositeRemoval). With a finite `vertex_cost` it also proposes the retriangulation of a cavity around it
+/// from one of its vertices (CavityRetriangulation), and where it has an angle with a larger cost, the insertion of a
+/// vertex on each of its edges and inside it (VertexInsertion) and the contraction of each of its free vertices to each
+/// other (VertexContraction). With a `mean_energy` it proposes insertions and contractions alone. With a `boundary`,
+/// vertices are inserted and removed there too (SurfaceInsertion, SurfaceContraction); the surface keeps its shape, or
+/// bends within kMaxBend where it may. Constrained edges stay as they are.
 ///
 /// Inserted vertices take the ids from mesh.vertices() on; removed ones are in no tetrahedron afterwards. The
 /// vertex2original of both is kInserted or kRemoved. `dofs.active` is set for the vertices whose ring changed; the
 /// energies in `flips` stay up to date; the active set, rings and colors have to be built again.
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, const EditableMesh<Backend>& editable,
-                                          const Criterion& criterion, Span<const Index> tets,
+                                          const Criterion& criterion, Span<const Index> worst,
                                           const RetriangulationLimits& limits);
 
 }  // namespace tetune

@@ -24,6 +24,12 @@ inline constexpr int kFirstEdit = StarOperators<CompositeRemoval, CavityRetriang
 inline constexpr int kSurfaceKeepingChoices =
     StarOperators<CompositeRemoval, CavityRetriangulation, VertexInsertion, VertexContraction>::kChoices;
 
+/// The first tetrahedra of a list: at most as many as have proposals whose ids fit 32 bits.
+inline Span<const Index> proposing(Span<const Index> tets, int choices) {
+  const Size max_tets = (Size{1} << 32) / choices;
+  return {tets.data(), tets.size() < max_tets ? tets.size() : max_tets};
+}
+
 /// Room for inserted vertices in the arrays of all vertices.
 template <class Backend>
 VertexArrays grow_vertices(const Backend& backend, const EditableMesh<Backend>& editable, Size count) {
@@ -49,7 +55,7 @@ VertexArrays grow_vertices(const Backend& backend, const EditableMesh<Backend>& 
 
 template <class Backend>
 RetriangulationReport retriangulate_worst(const Backend& backend, const EditableMesh<Backend>& editable,
-                                          const Criterion& criterion, Span<const Index> tets,
+                                          const Criterion& criterion, Span<const Index> worst,
                                           const RetriangulationLimits& limits) {
   using namespace retriangulate_detail;
   WorkMesh<Backend>& mesh = editable.mesh;
@@ -63,6 +69,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
                          : boundary == nullptr ? kSurfaceKeepingChoices
                                                : AllOperators::kChoices;
   const int choices = end_choice - first_choice;
+  const Span<const Index> tets = proposing(worst, choices);
   SurfaceTriangles triangles{};
   if (boundary != nullptr) {
     list_corners(backend, mesh, *boundary);
