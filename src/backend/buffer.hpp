@@ -17,7 +17,7 @@ class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// Empty, and of no backend before the first call that is given one.
+  /// Empty; the first call that allocates memory has the backend as an argument.
   Buffer() = default;
   explicit Buffer(const Backend& backend, Size size) { resize(backend, size); }
   Buffer(Buffer&& other) noexcept { swap(other); }

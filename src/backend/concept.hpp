@@ -17,10 +17,11 @@
 ///
 /// Kernels are trivially copyable function objects over Spans, marked TETUNE_HD. A kernel may write what no other call
 /// of the same loop reads or writes, and may use backend/atomic.hpp where the order of the calls cannot affect the
-/// result. Optional members guide the backend: `kGrain`, which kernels have that do much work per item, the minimum
-/// number of items per thread on the CPU, while a GPU spreads few items over many warps; `prefetch(i, end)`, called on
-/// the CPU before item i of a range that ends at `end`; `Shared` and operator()(team, shared, i), by which threads of a
-/// GPU evaluate an item together (backend/team.hpp).
+/// result. Optional members guide the backend:
+/// - `kGrain`, of kernels that do much work per item: the minimum number of items per thread on the CPU; a GPU spreads
+///   few such items over many warps.
+/// - `prefetch(i, end)`, called on the CPU before item i of a range that ends at `end`.
+/// - `Shared` and operator()(team, shared, i), by which threads of a GPU evaluate an item together (backend/team.hpp).
 namespace tetune::backend {
 
 namespace concept_detail {

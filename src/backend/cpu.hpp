@@ -85,7 +85,7 @@ class Cpu {
         pool_(std::make_shared<ThreadPool>(requested_threads(threads))),
         threads_(pool_->threads()) {}
 
-  /// The number of threads that a backend for `threads` asks for.
+  /// The number of threads that a backend for `threads` requests.
   static int requested_threads(int threads) {
     return ThreadPool::clamp(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()));
   }

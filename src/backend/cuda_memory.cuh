@@ -95,7 +95,7 @@ class Readback {
   std::vector<std::pair<std::size_t, std::shared_ptr<Slot>>> slots_;
 };
 
-/// A result that the host waits for when it is asked for, unless another wait brought it.
+/// A result for which get() waits, unless an earlier wait has brought it.
 template <class R>
 class Pending {
   static_assert(std::is_trivially_copyable_v<R> && sizeof(R) <= Readback::kCapacity &&

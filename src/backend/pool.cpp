@@ -102,7 +102,7 @@ void* GrowingPool::allocate(std::size_t bytes) {
     reserved += block.pool.size();
     in_use += block.pool.in_use();
   }
-  // Larger blocks than asked for, as long as the device has them: a block's free parts serve later requests.
+  // Larger blocks than requested, as long as the device has them: a block's free parts serve later requests.
   if (!add(std::max(round_up(bytes), first_bytes_ / 4)) && !add(round_up(bytes))) refuse(bytes, reserved, in_use);
   return blocks_.back().pool.allocate(bytes);
 }

@@ -75,13 +75,13 @@ class Pool {
 /// estimate.
 class GrowingPool {
  public:
-  /// How blocks are allocated and freed. `allocate` returns null where the device has not as much memory.
+  /// How blocks are allocated and freed. `allocate` returns null where the device does not have enough memory.
   struct Device {
     void* (*allocate)(std::size_t bytes);
     void (*free)(void* block);
   };
 
-  /// Throws DeviceError where the device has not as much memory.
+  /// Throws DeviceError where the device does not have enough memory.
   GrowingPool(const Device& device, std::size_t bytes);
   GrowingPool(const GrowingPool&) = delete;
   GrowingPool& operator=(const GrowingPool&) = delete;
@@ -98,7 +98,7 @@ class GrowingPool {
     std::unique_ptr<void, void (*)(void*)> memory;
     Pool pool;
   };
-  /// Returns whether the device has as much memory.
+  /// Takes a block from the device. Returns false where the device does not have enough memory.
   bool add(std::size_t bytes);
 
   Device device_;

@@ -56,7 +56,7 @@ class ThreadPool {
   void wait_for_round(std::uint32_t seen);
   void take_parts();
 
-  /// Runs the loops if it is there; then there are no workers.
+  /// Runs the loops in place of workers; null: there is no model.
   ProcessorModel* model_;
   int threads_;
 

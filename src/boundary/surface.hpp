@@ -262,6 +262,7 @@ struct TagFaces {
 
 }  // namespace surface_detail
 
+/// Lists the boundary faces and the locked faces, and the corners of these triangles at each vertex.
 template <class Backend>
 void collect_surface(const Backend& backend, WorkMesh<Backend>& mesh, Surface<Backend>& surface) {
   using namespace surface_detail;

@@ -34,7 +34,7 @@ enum class VertexConstraint : std::uint8_t {
 /// its element sizes (docs/method.md, "Sizes of the surface"); the radius of a trust region over the whole run.
 struct DisplacementBound {
   static constexpr double kUnbounded = 1e300;
-  /// Below this part of a step the bound counts as reached.
+  /// The bound counts as reached where it leaves less than this part of a Newton step or of the local length.
   static constexpr double kMinStep = 1e-2;
 
   Vec3 center;

@@ -10,7 +10,8 @@
 namespace tetune {
 
 /// The extreme cotangents of the dihedral angles of a tetrahedron: `max` is that of the smallest angle, `min` that of
-/// the largest. T is double or a pack of doubles.
+/// the largest. T is double or a pack of doubles. The initial values are exceeded by those of every tetrahedron, whose
+/// smallest angle is below 135 degrees and whose largest is above 45.
 template <class T>
 struct DihedralCotsT {
   T max = T{} - 1.0, min = T{} + 1.0;

@@ -116,8 +116,8 @@ QualityFloor find_floor(const Backend& backend, WorkMesh<Backend>& mesh, Span<co
   return floor;
 }
 
-/// Allows no larger dihedral angle than there is, or than one of the cotangent `cot`. `shapes` are the shape energies
-/// of all slots.
+/// Allows no dihedral angle that is larger than both the largest one of the mesh and that of the cotangent `cot`.
+/// `shapes` are the shape energies of all slots.
 template <class Backend>
 void limit_largest_angle(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, double cot,
                          QualityFloor& floor) {

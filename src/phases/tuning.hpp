@@ -11,9 +11,9 @@
 /// tetrahedron: 1 for the regular one, larger for all others. A "fraction" is relative to the total that is named.
 namespace tetune {
 
-/// untangle(): soft sweeps in rounds.
+/// untangle(): regularized sweeps in rounds.
 struct UntangleParameters {
-  /// Regularization at the start of a round, in turn: vertices that are stuck under one value come free under another.
+  /// Regularization at the start of a round, in turn: vertices that are stuck under one value can move under another.
   /// Relative to the cube of the local length.
   std::array<double, 4> regularizations{0.3, 0.9, 3, 0.09};
   /// The regularization is multiplied by this factor after each sweep, so that it vanishes in the limit.

@@ -17,7 +17,8 @@
 
 namespace tetune {
 
-/// Whether the cost of a tetrahedron that is worse than the floor is infinite.
+/// Whether the cost of a tetrahedron with an angle beyond the floor is infinite. It is so in any case where the shape
+/// energy or the mean ratio is worse than the floor.
 enum class FloorRule : std::uint8_t { ignored, kept };
 
 /// The extreme dihedral angles of the tetrahedra between a point and given faces, in terms of their cost
@@ -62,7 +63,7 @@ class AngleCostRing {
   }
 
   /// The largest cost with the point at x; `limit` where it is not below `limit`, or where a tetrahedron is not
-  /// certified positive or is worse than a floor that is kept. Tetrahedron `first` is evaluated first, and the one of
+  /// certified positive or is worse than the floor (FloorRule). Tetrahedron `first` is evaluated first, and the one of
   /// the largest cost replaces it: this saves work, and does not affect the result.
   template <class Team = backend::SingleThread>
   TETUNE_HD double largest_cost(const Vec3& x, double limit, int& first, const Team& team = {}) const {
@@ -75,7 +76,7 @@ class AngleCostRing {
   }
 
   /// The costs of the tetrahedra at the faces from `begin` on, one per lane, at the last one where there are no more;
-  /// infinite where one is not certified positive or is worse than a floor that is kept.
+  /// infinite where one is not certified positive or is worse than the floor (FloorRule).
   template <class Pack>
   TETUNE_HD TETUNE_INLINE Pack costs_of(const Vec3& x, int begin) const {
     Vec3T<Pack> p[4];
@@ -144,7 +145,7 @@ class AngleCostRing {
     return worst.value;
   }
 
-  /// The cost of the tetrahedron at a face; infinite where it is not certified positive or is worse than the floor.
+  /// The cost of the tetrahedron at a face, as costs_of() has it.
   TETUNE_HD TETUNE_OUTLINE double cost_of(const Vec3& x, int face) const {
     const Vec3 p[4] = {x, corner(face, 0), corner(face, 1), corner(face, 2)};
     const TetEnergy e = tet_energy(mesh_.objective, p[0], p[1], p[2], p[3]);

@@ -130,7 +130,8 @@ struct ConflictNeighbors {
   }
 };
 
-/// A visitor that returns whether a vertex keeps its color beside a neighbor: that has another one, or lower priority.
+/// A visitor that returns whether a vertex keeps its color beside a neighbor: the neighbor has another color, or a
+/// lower priority.
 struct KeepsColor {
   Span<const std::uint8_t> color;
   std::uint8_t own_color;
@@ -277,7 +278,7 @@ bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
                           ColorInSteps{{neighbors, vertices, color, tentative_color, round, none_colored && round == 0},
                                        {neighbors, vertices, tentative_color, color}});
     round += rounds;
-    // After many rounds none is left but where one has too many neighbors.
+    // After many rounds a vertex is left only if it has too many neighbors.
     constexpr std::uint32_t kMany = 16;
     if (rounds >= kMany && group_by_color(backend, neighbors.rings, coloring) == 0) return true;
     const Size left = backend.compact(count, IsUncolored{vertices, color}, positions.span());

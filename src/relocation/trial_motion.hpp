@@ -44,7 +44,8 @@ struct SlideMotion {
   }
 };
 
-/// The trial steps of the apex of a cavity, in one of the two ways.
+/// The trial steps of the apex of a cavity: on the reference surface where it has a surface point, else in its space of
+/// motion.
 struct ApexMotion {
   FreeMotion free;
   SlideMotion<NoDeviationBound> slide;

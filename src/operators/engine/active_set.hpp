@@ -33,7 +33,8 @@ template <class Backend>
 void activate_around(const Backend& backend, WorkMesh<Backend>& mesh, FlipState<Backend>& state,
                      Span<const std::uint8_t> flags);
 
-/// After an application: the active set is what is marked, those marked kActiveIfPromising if they are.
+/// After an application: makes the marked tetrahedra active; of those marked kActiveIfPromising, the ones that may
+/// gain.
 template <class Backend>
 void activate_marked(const Backend& backend, const Criterion& criterion, FlipState<Backend>& state);
 

@@ -44,7 +44,7 @@ struct HasDrifted {
   IsPromising is_promising;
   Span<const float> slack;
   TETUNE_HD bool operator()(Size t) const {
-    // Slack is not a number where a volume is not certified.
+    // Slack may be NaN where a volume is not certified.
     return is_promising(t) && !(slack[t] >= 0);
   }
 };

@@ -27,7 +27,8 @@ struct NewNeighbor {
 /// - Boundary faces are numbered: first the face_count() existing ones, then the new_surface_faces() ones that are made
 ///   in a surface.
 /// - New tetrahedron x takes the slot of the old one x, while there is one, and descends from it; the others descend
-///   from the first old one. Where the patch has parent(x), new tetrahedron x descends from that one.
+///   from the first old one. Where the patch has parent(x), new tetrahedron x descends from that one, and there are at
+///   most kMaxExtraTets new ones.
 /// - Two parts of a candidate make the same faces in a surface; where the patch has meets(other), only if that is true.
 template <class P>
 concept CavityPatch = std::is_trivially_copyable_v<P> &&

@@ -30,7 +30,8 @@ class FlipEnergyLowerBound {
 
   /// For the three tetrahedra that a 2-3 flip makes: three dihedral angles of 120 degrees.
   TETUNE_HD double face_flip() const { return is_plain_shape_ ? 4.2866 : 0; }
-  /// For the removal of an edge with n tetrahedra around it: minima over all positions, found numerically.
+  /// For the removal of an edge with n tetrahedra around it: minima over all positions, found numerically; that of 7
+  /// for more.
   TETUNE_HD double edge_removal(int n) const {
     if (!is_plain_shape_) return 0;
     return n == 3 ? 2 : n == 4 ? 4.2426 : n == 5 ? 6.7527 : n == 6 ? 9.3234 : 12.1421;

@@ -18,7 +18,7 @@ inline constexpr int kMaxFlipPasses = 1000;
 
 /// A tetrahedron is evaluated again once it has drifted by its slack: the smallest relative amount by which one of its
 /// flips would have raised the energy, at most kMaxSlack. Drift is kDriftRate times the longest move of a vertex over
-/// the height of the tetrahedron (docs/method.md, "Flips").
+/// the height of the tetrahedron (docs/method.md, "Which candidates are evaluated").
 inline constexpr double kMaxSlack = 0.2;
 inline constexpr double kDriftRate = 0.35;
 /// kDriftRate is for the powers of eta = 1.5 q / w; this is the rate for those of an objective.
@@ -26,9 +26,9 @@ TETUNE_HD inline double drift_rate(const Objective& objective) {
   return kDriftRate * (objective.gu - objective.gv) / 3;
 }
 
-/// Marks of slots: the tetrahedron is evaluated in the next pass,
+/// The mark of a slot whose tetrahedron is evaluated in the next pass.
 inline constexpr std::uint8_t kActive = 1;
-/// or only if its energy admits a gain (FlipEnergyLowerBound).
+/// The mark of a slot whose tetrahedron is evaluated if its energy admits a gain (FlipEnergyLowerBound).
 inline constexpr std::uint8_t kActiveIfPromising = 2;
 /// Slack of a new tetrahedron, or one with a changed neighbor: it is evaluated again if it may gain.
 inline constexpr float kUnknownSlack = -1;

@@ -27,7 +27,7 @@ struct Proposals {
   Span<std::uint64_t> tet2bid;
   Span<C> candidates;        ///< the best one of each proposal and part
   Span<std::uint64_t> bids;  ///< its bid; 0: none
-  Size first = 0;            ///< proposal of the batch
+  Size first = 0;            ///< the first proposal of the batch
   int parts = 1;
 
   TETUNE_HD Size entry(Size proposal, int part) const { return (proposal - first) * parts + part; }

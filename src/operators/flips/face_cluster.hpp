@@ -38,8 +38,8 @@ class FaceCluster {
     return true;
   }
 
-  /// Finds the best part of the cluster that has the first face. Returns by how much its removal changes the energy;
-  /// kInfeasible or more where the volumes of none are certified.
+  /// Finds the best part of the cluster that has the first face. Returns by how much its removal changes the energy: a
+  /// number near kInfeasible or above where each of these parts leaves a volume that is not certified.
   TETUNE_HD double best_subtree(Span<const double> energies) {
     for (int i = count_ - 1; i >= 0; --i) {
       Face& f = faces_[i];

@@ -16,7 +16,7 @@ template <class Backend>
 PassResult flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                      FlipState<Backend>& state, Span<std::uint8_t> changed);
 
-/// Passes until one makes no flip; the flips of all.
+/// Runs passes until one makes no flip. Returns the flips of all of them.
 template <class Backend>
 FlipCounts flip_until_none(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                            FlipState<Backend>& state, Span<std::uint8_t> changed) {

@@ -139,7 +139,7 @@ class StarCavity : StarShape {
     return team.merge(largest).value;
   }
   /// The largest cost of the retriangulation from x; `limit` where it is not below `limit`, or where a tetrahedron is
-  /// not certified positive or is worse than a floor that is kept.
+  /// not certified positive or is worse than the floor (FloorRule).
   template <class Team>
   TETUNE_HD TETUNE_OUTLINE double cost_after(Index apex, const Vec3& x, double limit, FloorRule floor,
                                              const Team& team) const {

@@ -22,7 +22,8 @@ class SurfaceBend {
                                    const Vec3& x) const {
     return largest_of_sheets(replaced, [&](std::uint32_t& left) { return of_insertion(simplex, replaced, left, x); });
   }
-  /// The bend after v has been contracted to another vertex of the triangles at it.
+  /// The deviation after v has been contracted to another vertex of the triangles at it; kInfeasible where it would be
+  /// too large.
   TETUNE_HD double after_contraction(Index v, Index apex, const ReplacedTriangles& replaced) const {
     const Index end = line_end(v, apex, replaced);
     return largest_of_sheets(replaced,

@@ -11,7 +11,7 @@ namespace tetune {
 /// How a motion prescribes a vertex, as bits.
 enum VertexMotion : std::uint8_t {
   kPrescribed = 1,  ///< it has a position in a target
-  kMoves = 2,       ///< with another one than in the input
+  kMoves = 2,       ///< that position differs from the one in the input
 };
 
 namespace sliding_motion_detail {

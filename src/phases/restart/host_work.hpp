@@ -48,7 +48,7 @@ struct HostWork : MeshSnapshot {
     f(host.vertex2original, work.mesh.vertex2original);
     for_each_dof_array(host, work, f);
   }
-  /// Those of them that MeshSnapshot does not have.
+  /// Same, without the arrays of MeshSnapshot.
   template <class Host, class Work, class F>
   static void for_each_dof_array(Host& host, Work& work, const F& f) {
     f(host.dof, work.dofs.dof);

@@ -36,8 +36,8 @@ class Neighborhood {
   /// The slots that the tetrahedra have in the whole mesh.
   const std::vector<Index>& slots() const { return slot2whole_; }
   /// Writes tetrahedra, vertices and triangles back to the mesh that they were taken from. Requires that the
-  /// tetrahedra around them have stayed. New tetrahedra are at the end of slots() afterwards, where -1 stands for a
-  /// free slot. Triangles that there are no more have kRemoved as first vertex.
+  /// tetrahedra around them have not changed. New tetrahedra are at the end of slots() afterwards, where -1 stands for
+  /// a free slot. Triangles that no longer exist have kRemoved as first vertex.
   void put_back(HostWork& whole);
 
  private:

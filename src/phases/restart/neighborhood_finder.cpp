@@ -56,7 +56,7 @@ void NeighborhoodFinder::find(Index slot, int rings) {
   clear();
   add(slot);
   for (int ring = 0; ring <= rings; ++ring) {
-    // The vertices that have none yet are those of the ring.
+    // The vertices without a number are those of this ring.
     for (const Index v : vertices_) {
       std::uint8_t& number = span_of(ring_)[v];
       if (number == FoundTets::kNoRing) number = std::uint8_t(ring);

@@ -62,7 +62,7 @@ DihedralCots merge(DihedralCots extremes, const std::vector<DihedralCots>& all) 
 }
 
 /// The sum of the costs to the power of eight, to which the largest contribute most. Products have the same bits
-/// everywhere, and std::pow() has not.
+/// everywhere; results of std::pow() depend on the library.
 double sum_of_powers(const std::vector<DihedralCots>& all, double obtuse_weight) {
   double sum = 0;
   for (const DihedralCots& cots : all) {

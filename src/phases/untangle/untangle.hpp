@@ -54,7 +54,7 @@ struct Positions {
   }
 };
 
-/// Flags with 1 what is flagged, but for vertices that slide on the surface.
+/// Replaces each flag other than 0 by 1; clears those of vertices that slide on the surface.
 struct FlagWithOne {
   Span<const VertexDof> dof;
   Span<std::uint8_t> flags;
@@ -201,7 +201,7 @@ struct UntangleResult {
   UntangleError::Reason reason = UntangleError::Reason::no_room;
 };
 
-/// Restores the input, and explains what is left.
+/// Restores the input, unless a stop was requested, and finds the reason why tetrahedra are left.
 template <class Backend>
 UntangleResult explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
   using Reason = UntangleError::Reason;
