@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "phases/flip_until_stable.hpp"
 #include "phases/optimizer.hpp"
 #include "phases/schedule.hpp"

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <utility>
+
 #include "operators/flips/boundary_flip.hpp"
 #include "operators/flips/face_removal.hpp"
 #include "operators/flips/flip_pass.hpp"

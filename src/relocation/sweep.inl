@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <type_traits>
+
 #include "backend/atomic.hpp"
 #include "backend/prefetch.hpp"
 #include "boundary/sliding/deviation_bound.hpp"

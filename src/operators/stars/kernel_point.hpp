@@ -18,7 +18,8 @@ inline constexpr double kHeight = 0.1;
 }  // namespace kernel_point_detail
 
 /// Moves x into the kernel of a star-shaped cavity, that is to where all its faces are visible, by steps over the plane
-/// of the most violated face (relaxation after Motzkin and Schoenberg). Returns false where it finds no such place.
+/// of the most violated face (relaxation: Agmon, Motzkin and Schoenberg, 1954). Returns false where it finds no such
+/// place.
 template <class Team>
 TETUNE_HD bool move_into_kernel(Span<const Point> points, const LinkFace* faces, int face_count, Vec3& x,
                                 const Team& team) {

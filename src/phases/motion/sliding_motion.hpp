@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <utility>
+
 #include "boundary/sliding/trace.hpp"
 #include "phases/motion/harmonic_extension.hpp"
 #include "phases/working_set.hpp"
