@@ -40,7 +40,6 @@ void set_order(const ConvertArguments& a, TetMesh& mesh, Console& console) {
   const bool had_deck = mesh.deck != nullptr;
   if (a.order == 1) {
     mesh.second_order = false;
-    for (ElementBlock& block : mesh.others) block.second_order = false;
     mesh.curved_edges.clear();
     mesh.deck = nullptr;
     if (had_deck) mesh.deck_nodes.clear();

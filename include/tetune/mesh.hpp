@@ -67,7 +67,7 @@ inline constexpr const char* kPoints = "Points";
 /// Elements other than tetrahedra, triangles and edges. They do not change, and their vertices and mid-side nodes do
 /// not move.
 struct ElementBlock {
-  /// Name of the MEDIT section, for example "Hexahedra"; or kPoints. Readers make one block per kind and order.
+  /// Name of the MEDIT section, for example "Hexahedra"; or kPoints. A mesh has one block per kind and order.
   std::string kind;
   /// Number of vertices per element, without mid-side nodes.
   int vertices_per_element = 0;
