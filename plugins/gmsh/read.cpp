@@ -188,11 +188,12 @@ class Reader {
       int first_order = 0;
       std::vector<double> places;
       gmsh::model::mesh::getElementProperties(type, name, dimension, order, all, places, first_order);
-      throw FileError(
-          "element " + std::to_string(element) + " is a \"" + name +
-          "\", which tetune does not read; it reads points, and lines, triangles, tetrahedra, quadrilaterals, "
-          "pyramids, prisms and hexahedra of first or second order; " +
-          kOtherSecondOrder);
+      const std::string found = "element " + std::to_string(element) + " is a \"" + name + "\"";
+      const bool is_other = first_order != dimension + 1;
+      if (is_other && order == 2) throw FileError(found + ": " + kNodesOnFaces);
+      throw FileError(found +
+                      ", which tetune does not read; it reads points, and lines, triangles, tetrahedra, "
+                      "quadrilaterals, pyramids, prisms and hexahedra of first or second order");
     }
     const std::size_t k(at - kOtherTypes.begin());
     ElementBlock& block = others_[k];

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exodus II through the library that comes with VTK: element blocks, side sets, node sets and variables.
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "exodus.hpp"
 #include "exodus_file.hpp"
@@ -31,12 +34,16 @@ std::size_t kind_of(const ex_block& block) {
       if (name.rfind(start, 0) == 0) return k;
     }
   }
-  throw FileError(
-      "element block " + std::to_string(block.id) + " is of type \"" + block.topology + "\" with " +
-      std::to_string(block.num_nodes_per_entry) +
-      " nodes, which tetune does not read; it reads tetrahedra, triangles, bars, quadrilaterals, pyramids, wedges and "
-      "hexahedra of first or second order; " +
-      kOtherSecondOrder);
+  const std::string found = "element block " + std::to_string(block.id) + " is of type \"" + block.topology +
+                            "\" with " + std::to_string(block.num_nodes_per_entry) + " nodes";
+  constexpr std::array<std::pair<std::string_view, int>, 5> kMostNodes{
+      {{"QUAD", 8}, {"SHELL", 8}, {"PYR", 13}, {"WED", 15}, {"HEX", 20}}};
+  for (const auto& [start, nodes] : kMostNodes) {
+    if (name.starts_with(start) && block.num_nodes_per_entry > nodes) throw FileError(found + ": " + kNodesOnFaces);
+  }
+  throw FileError(found +
+                  ", which tetune does not read; it reads bars, triangles, tetrahedra, quadrilaterals, "
+                  "pyramids, wedges and hexahedra of first or second order");
 }
 
 std::int64_t number_of_times(const File& file) { return ex_inquire_int(file.id(), EX_INQ_TIME); }

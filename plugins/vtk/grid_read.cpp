@@ -57,10 +57,11 @@ class GridReader {
     std::array<Index, kMaxNodes> v{};
     const int expected = size_of(type);
     if (expected < 0 || (type == VTK_POLY_VERTEX && n != 1)) {
-      throw FileError("cell " + std::to_string(c) + " is of VTK's type " + std::to_string(type) +
+      const std::string found = "cell " + std::to_string(c) + " is of VTK's type " + std::to_string(type);
+      if (has_nodes_on_faces(type)) throw FileError(found + ": " + kNodesOnFaces);
+      throw FileError(found +
                       ", which tetune does not read; it reads vertices, and lines, triangles, tetrahedra, "
-                      "quadrilaterals, pyramids, wedges and hexahedra of first or second order" +
-                      (has_nodes_on_faces(type) ? std::string("; ") + kOtherSecondOrder : ""));
+                      "quadrilaterals, pyramids, wedges and hexahedra of first or second order");
     }
     if (n != expected) {
       throw FileError("cell " + std::to_string(c) + " of VTK's type " + std::to_string(type) + " has " +

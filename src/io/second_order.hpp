@@ -32,10 +32,10 @@ enum class MiddleOrder : std::uint8_t {
 /// The edges of a kind of ElementBlock in the order of a format; none for points and other names.
 std::span<const Pair> edges_of_kind(std::string_view kind, MiddleOrder order);
 
-/// What readers say of second-order elements that they refuse.
-inline constexpr const char* kOtherSecondOrder =
-    "elements of second order are read with nodes in the middles of edges alone; make the mesh without nodes in the "
-    "middles of faces and cells (Gmsh: Mesh.SecondOrderIncomplete = 1)";
+/// What readers say of quadrilaterals, pyramids, prisms and hexahedra with more nodes than those on edges.
+inline constexpr const char* kNodesOnFaces =
+    "elements with nodes in the middles of faces are not read; make them with nodes in the middles of edges alone "
+    "(Gmsh: Mesh.SecondOrderIncomplete = 1)";
 
 /// A node in the middle of an edge.
 struct Middle {

@@ -296,7 +296,7 @@ TEST_F(SecondOrderOthers, NodesInTheMiddlesOfFacesAreRefusedWithAdvice) {
       "    -1\n  2411\n1 1 1 11\n0 0 0\n    -1\n    -1\n  2412\n1 95 1 1 7 9\n1 1 1 1 1 1 1 1\n1\n    -1\n";
   const std::string error = read_error(put("a.unv", unv));
   EXPECT_TRUE(contains(error, "should have 4 or 8 nodes, and has 9")) << error;
-  EXPECT_TRUE(contains(error, "without nodes in the middles of faces")) << error;
+  EXPECT_TRUE(contains(error, "elements with nodes in the middles of faces are not read")) << error;
 }
 
 TEST_F(SecondOrderOthers, LinearTetrahedraBesideThemAreRefused) {

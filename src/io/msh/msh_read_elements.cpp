@@ -135,11 +135,12 @@ void MshElementReader::read_blocks() {
 
 const MshType& MshElementReader::type_of(int number, std::int64_t element) {
   if (const MshType* type = find_msh_type(number)) return *type;
-  source_.fail((element < 0 ? "there are elements" : "element " + std::to_string(element) + " is") + " of type " +
-               std::to_string(number) +
-               ", which tetune does not read; it reads points, and lines, triangles, tetrahedra, quadrilaterals, "
-               "pyramids, prisms and hexahedra of first or second order" +
-               (has_nodes_on_faces(number) ? std::string("; ") + kOtherSecondOrder : ""));
+  const std::string found = (element < 0 ? "there are elements" : "element " + std::to_string(element) + " is") +
+                            " of type " + std::to_string(number);
+  if (has_nodes_on_faces(number)) source_.fail(found + ": " + kNodesOnFaces);
+  source_.fail(found +
+               ", which tetune does not read; it reads points, and lines, triangles, tetrahedra, "
+               "quadrilaterals, pyramids, prisms and hexahedra of first or second order");
 }
 
 void MshElementReader::reserve(const MshType& type, std::size_t n) {

@@ -184,8 +184,10 @@ class UnvParser {
                   "order");
     }
     if (n == kind.vertices || n == kind.nodes) return;
+    const bool is_other = kind.role == UnvElementKind::Role::other;
     lines_.fail(what + " should have " + std::to_string(kind.vertices) + " or " + std::to_string(kind.nodes) +
-                " nodes, and has " + std::to_string(n) + (n > kind.nodes ? std::string("; ") + kOtherSecondOrder : ""));
+                " nodes, and has " + std::to_string(n) +
+                (is_other && n > kind.nodes ? std::string("; ") + kNodesOnFaces : ""));
   }
   /// Whether a line after the first of a beam is that of its orientation, which some programs leave out.
   bool has_beam_line(std::string_view line, std::int64_t n) {
