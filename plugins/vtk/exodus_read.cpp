@@ -36,9 +36,9 @@ std::size_t kind_of(const ex_block& block) {
   }
   const std::string found = "element block " + std::to_string(block.id) + " is of type \"" + block.topology +
                             "\" with " + std::to_string(block.num_nodes_per_entry) + " nodes";
-  constexpr std::array<std::pair<std::string_view, int>, 5> kMostNodes{
+  constexpr std::array<std::pair<std::string_view, int>, 5> kOnEdges{
       {{"QUAD", 8}, {"SHELL", 8}, {"PYR", 13}, {"WED", 15}, {"HEX", 20}}};
-  for (const auto& [start, nodes] : kMostNodes) {
+  for (const auto& [start, nodes] : kOnEdges) {
     if (name.starts_with(start) && block.num_nodes_per_entry > nodes) throw FileError(found + ": " + kNodesOnFaces);
   }
   throw FileError(found +

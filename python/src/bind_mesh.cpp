@@ -189,6 +189,14 @@ void bind_second_order(nb::class_<TetMesh>& type) {
           },
           "Whether the elements have mid-side nodes; these are not among `points`.")
       .def_prop_ro(
+          "second_order_others",
+          [](Self s) {
+            std::vector<bool> flags;
+            for (const ElementBlock& b : of(s).others) flags.push_back(b.second_order);
+            return flags;
+          },
+          "Whether each of `others` has mid-side nodes, if `second_order`.")
+      .def_prop_ro(
           "curved_edges", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::vertices, s); },
           "The vertices of the edges whose mid-side node is not the midpoint, (n, 2).")
       .def_prop_ro(
@@ -244,14 +252,6 @@ void bind_mesh(nb::module_& m) {
           },
           nb::sig("def others(self) -> list[tuple[str, NDArray[numpy.int32]]]"),
           "Elements of other kinds, each with its vertices.")
-      .def_prop_ro(
-          "second_order_others",
-          [](Self s) {
-            std::vector<bool> flags;
-            for (const ElementBlock& b : of(s).others) flags.push_back(b.second_order);
-            return flags;
-          },
-          "Whether each of `others` has mid-side nodes, if `second_order`.")
       .def(
           "copy", [](const TetMesh& mesh) { return mesh; }, "A mesh of its own memory.")
       .def("__copy__", [](const TetMesh& mesh) { return mesh; })

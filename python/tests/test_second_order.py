@@ -6,6 +6,7 @@ import pytest
 
 import tetune
 from meshes import shaken_box
+from tetune._adapters import adapter_of
 
 meshio = pytest.importorskip("meshio")
 pv = pytest.importorskip("pyvista")
@@ -223,3 +224,47 @@ def test_refused():
         tetune.quality(meshio.Mesh(points, [("tetra10", wrong)]))
     with pytest.raises(tetune.MeshError, match="holds no mid-side nodes"):
         tetune.LiveMesh(meshio.Mesh(points, [("tetra10", cells)]))
+
+
+WEDGE_EDGES = [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)]
+
+
+def test_other_kinds_keep_their_nodes():
+    flat, tets = shaken_box(4, 3, 3)
+    nodes, cells = with_middles(flat, tets)
+    first = len(nodes) - len(flat)
+    faces = np.concatenate([tets[:, k] for k in ([0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2])])
+    faces = faces[(flat[faces][..., 2] == 0).all(axis=1)]
+    corners = np.unique(faces)
+    lower = {v: len(nodes) + i for i, v in enumerate(corners)}
+    middle = {tuple(sorted((cell[a], cell[b]))): cell[4 + k] for cell in cells for k, (a, b) in enumerate(EDGES)}
+    positions, wedges = [*nodes, *(flat[corners] - [0, 0, 1])], []
+    for face in faces:
+        row = [*(lower[v] for v in face), *(first + face)]
+        for a, b in WEDGE_EDGES:
+            edge = tuple(sorted((row[a], row[b])))
+            if edge not in middle:
+                middle[edge] = len(positions)
+                positions.append((positions[edge[0]] + positions[edge[1]]) / 2)
+            row.append(middle[edge])
+        wedges.append(row)
+    positions, wedges = bent(np.array(positions)), np.array(wedges)
+    mesh = meshio.Mesh(positions, [("tetra10", cells), ("wedge15", wedges)])
+    work = adapter_of(mesh, None).tet_mesh()
+    assert work.second_order and work.second_order_others == [True] and work.others[0][0] == "Prisms"
+    assert len(work.points) == len(flat) + len(corners)
+    for given in (mesh, pv.from_meshio(mesh)):
+        r = tetune.optimize(given, boundary="slide")
+        assert r.moved.any()
+        new = r.mesh if given is mesh else pv.to_meshio(r.mesh)
+        kept = {b.type: b.data for b in new.cells}
+        assert np.array_equal(new.points[kept["wedge15"]], positions[wedges])
+        by_edge = middles_by_edge(new.points, kept["tetra10"])
+        for k, (a, b) in enumerate(WEDGE_EDGES):
+            for wedge in new.points[kept["wedge15"]]:
+                edge = frozenset([tuple(wedge[a]), tuple(wedge[b])])
+                assert by_edge.get(edge, tuple(wedge[6 + k])) == tuple(wedge[6 + k])
+    with pytest.raises(tetune.MeshError, match="cells of type wedge15 without tetra10 beside them are not supported"):
+        tetune.optimize(meshio.Mesh(positions, [("tetra", cells[:, :4]), ("wedge15", wedges)]))
+    with pytest.raises(ValueError, match="second_order_others must have one entry per entry of others"):
+        tetune.TetMesh(flat, tets, second_order_others=[True])
