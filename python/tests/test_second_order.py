@@ -249,22 +249,33 @@ def test_other_kinds_keep_their_nodes():
             row.append(middle[edge])
         wedges.append(row)
     positions, wedges = bent(np.array(positions)), np.array(wedges)
-    mesh = meshio.Mesh(positions, [("tetra10", cells), ("wedge15", wedges)])
-    work = adapter_of(mesh, None).tet_mesh()
+    grid = pv.UnstructuredGrid({24: cells, 26: wedges}, positions)
+    work = adapter_of(grid, None).tet_mesh()
     assert work.second_order and work.second_order_others == [True] and work.others[0][0] == "Prisms"
     assert len(work.points) == len(flat) + len(corners)
-    for given in (mesh, pv.from_meshio(mesh)):
-        r = tetune.optimize(given, boundary="slide")
-        assert r.moved.any()
-        new = r.mesh if given is mesh else pv.to_meshio(r.mesh)
-        kept = {b.type: b.data for b in new.cells}
-        assert np.array_equal(new.points[kept["wedge15"]], positions[wedges])
-        by_edge = middles_by_edge(new.points, kept["tetra10"])
-        for k, (a, b) in enumerate(WEDGE_EDGES):
-            for wedge in new.points[kept["wedge15"]]:
-                edge = frozenset([tuple(wedge[a]), tuple(wedge[b])])
-                assert by_edge.get(edge, tuple(wedge[6 + k])) == tuple(wedge[6 + k])
+    r = tetune.optimize(grid, boundary="slide")
+    assert r.moved.any()
+    kept = r.mesh.cells_dict
+    new = r.mesh.points[kept[26]]
+    assert np.array_equal(new, positions[wedges])
+    by_edge = middles_by_edge(r.mesh.points, kept[24])
+    for k, (a, b) in enumerate(WEDGE_EDGES):
+        for wedge in new:
+            edge = frozenset([tuple(wedge[a]), tuple(wedge[b])])
+            assert by_edge.get(edge, tuple(wedge[6 + k])) == tuple(wedge[6 + k])
     with pytest.raises(tetune.MeshError, match="cells of type wedge15 without tetra10 beside them are not supported"):
-        tetune.optimize(meshio.Mesh(positions, [("tetra", cells[:, :4]), ("wedge15", wedges)]))
+        tetune.optimize(pv.UnstructuredGrid({10: cells[:, :4], 26: wedges}, positions))
     with pytest.raises(ValueError, match="second_order_others must have one entry per entry of others"):
         tetune.TetMesh(flat, tets, second_order_others=[True])
+
+
+def test_hexahedra_of_meshio():
+    points, cells = bent_box()
+    corners = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float) + [9, 0, 0]
+    edges = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    hexahedron = bent(np.concatenate([corners, corners[edges].mean(axis=1)]))
+    mesh = meshio.Mesh(np.concatenate([points, hexahedron]), [("tetra10", cells), ("hexahedron20", len(points) + np.arange(20)[None])])
+    for r in (tetune.optimize(mesh), tetune.optimize(mesh, boundary="slide")):
+        assert r.moved.any() and [b.type for b in r.mesh.cells] == ["tetra10", "hexahedron20"]
+        assert np.array_equal(r.mesh.points[r.mesh.cells[1].data[0]], hexahedron)
+        assert tetune.quality(r.mesh).curved.all_valid

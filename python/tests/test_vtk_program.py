@@ -106,6 +106,26 @@ def test_same_mesh_as_through_vtk(command, tmp_path, package, order):
 
 
 @pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_wedges_of_second_order(command, tmp_path, package):
+    """meshio has none."""
+    pv = pytest.importorskip("pyvista")
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 2], [1, 0, 2], [0, 1, 2]], float)
+    edges = [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)]
+    wedge = pv.UnstructuredGrid({26: np.arange(15)[None]}, np.concatenate([points, points[edges].mean(axis=1)]))
+    wedge.save(tmp_path / "in.vtu")
+    run = command(package)
+    done = run("convert", "in.vtu", "out.unv")
+    if package == "meshio":
+        assert done.returncode == 2 and "meshio has no cells of type wedge15; install pyvista" in done.stderr
+        return
+    assert done.returncode == 0, done.stderr
+    done = run("convert", "out.unv", "back.vtu")
+    assert done.returncode == 0, done.stderr
+    back = pv.read(tmp_path / "back.vtu")
+    assert np.array_equal(back.points[back.cells_dict[26][0]], wedge.points)
+
+
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
 def test_data_of_mid_side_nodes(command, tmp_path, package):
     mesh = rich_mesh(2)
     mesh.point_data["single"] = np.sqrt(np.arange(len(mesh.points), dtype=np.float32))
