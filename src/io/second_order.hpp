@@ -111,7 +111,7 @@ void list_simplex(const TetMesh& mesh, std::array<Index, N> vertices, const Midd
 /// Writes the nodes of an element of another kind likewise. The block is of second order where there are `edges`.
 inline void list_other(const ElementBlock& block, std::size_t element, const Middles* middles,
                        std::span<const Pair> edges, std::array<Index, kMaxNodes>& nodes) {
-  const std::size_t vertices(block.vertices_per_element);
+  const std::size_t vertices = to_size_t(block.vertices_per_element);
   const auto of_element = std::span(block.element2vertex).subspan(element * vertices, vertices);
   std::copy(of_element.begin(), of_element.end(), nodes.begin());
   for (std::size_t k = 0; k < edges.size(); ++k) {

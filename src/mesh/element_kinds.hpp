@@ -71,7 +71,7 @@ inline bool has_middles(const TetMesh& mesh, const ElementBlock& block) {
 inline std::size_t list_of(const TetMesh& mesh, const ElementBlock& block) {
   const ElementKind* const kind = find_element_kind(block.kind);
   if (kind == nullptr) return kOtherLists;
-  const std::size_t first(kind - kElementKinds.data());
+  const std::size_t first = to_size_t(kind - kElementKinds.data());
   return has_middles(mesh, block) && !kind->edges.empty() ? first + kElementKinds.size() - 1 : first;
 }
 
