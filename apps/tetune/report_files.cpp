@@ -303,7 +303,9 @@ Json counts_json(const TetMesh& mesh) {
                {"required_triangles", mesh.required_triangles.size()},
                {"required_tetrahedra", mesh.required_tets.size()},
                {"periodic_pairs", periodic_pairs(mesh)}};
-  for (const ElementBlock& block : mesh.others) json[block.kind] = block.tags.size();
+  for (const ElementBlock& block : mesh.others) {
+    json[block.kind] = json.value(block.kind, std::size_t{0}) + block.tags.size();  // of either order
+  }
   return json;
 }
 

@@ -19,8 +19,7 @@ std::string tag_counts(const std::vector<int>& tags) {
   for (const int tag : tags) ++counts[tag];
   constexpr std::size_t kShown = 8;
   std::string text;
-  std::size_t shown = 0;
-  for (const auto& [tag, count] : counts) {
+  for (std::size_t shown = 0; const auto& [tag, count] : counts) {
     if (shown++ == kShown) {
       text += fmt::format(", ... ({} tags)", counts.size());
       break;
@@ -58,7 +57,8 @@ std::string mesh_summary(const TetMesh& mesh) {
   line("tetrahedra", mesh.tets.size(), tag_counts(mesh.tet_tags));
   line("listed triangles", mesh.triangles.size(), tag_counts(mesh.triangle_tags));
   line("listed edges", mesh.edges.size(), tag_counts(mesh.edge_tags));
-  for (const ElementBlock& block : mesh.others) line(block.kind, block.tags.size(), tag_counts(block.tags));
+  for (const ElementBlock& b : mesh.others)
+    line(b.kind + (mesh.second_order && b.second_order ? " (order 2)" : ""), b.tags.size(), tag_counts(b.tags));
   line("corners", mesh.corners.size(), "");
   line("required vertices", mesh.required_vertices.size(), "");
   line("ridges", mesh.ridges.size(), "");

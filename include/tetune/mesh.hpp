@@ -64,11 +64,12 @@ struct Group {
 /// ElementBlock::kind of elements with one vertex.
 inline constexpr const char* kPoints = "Points";
 
-/// Elements other than tetrahedra, triangles and edges. They do not change, and their vertices do not move.
+/// Elements other than tetrahedra, triangles and edges. They do not change, and their vertices and mid-side nodes do
+/// not move.
 struct ElementBlock {
-  /// Name of the MEDIT section, for example "Hexahedra"; or kPoints. A mesh has one block per kind.
+  /// Name of the MEDIT section, for example "Hexahedra"; or kPoints. A mesh has one block per kind and order.
   std::string kind;
-  /// Number of vertices per element.
+  /// Number of vertices per element, without mid-side nodes.
   int vertices_per_element = 0;
   /// Zero-based vertices, `vertices_per_element` per element.
   std::vector<Index> element2vertex;
@@ -78,6 +79,8 @@ struct ElementBlock {
   std::vector<Index> required;
   /// One entry per element.
   std::vector<DataArray> data{};
+  /// True if the elements have mid-side nodes, which are those of TetMesh::second_order; without that it has no effect.
+  bool second_order = false;
 };
 
 /// Vertices on a part of the boundary that are images of vertices on another part (Gmsh: a link of $Periodic), as
@@ -159,11 +162,11 @@ struct TetMesh {
   /// universal file: writers of that format use the same.
   std::string dialect;
   /// True if the elements of the file had mid-side nodes. Readers take these nodes out of `points`, and writers add
-  /// them after all others: at the positions of `curved_edges`, on all other edges at the midpoint.
+  /// them after all others: at the positions of `curved_edges`, on all other edges at the midpoint. Those of other
+  /// kinds have them where ElementBlock::second_order is true.
   bool second_order = false;
-  /// The curved edges of tetrahedra, listed triangles and listed edges, by their vertices in ascending order, each
-  /// once. Where one is listed, readers list every edge whose node is not the midpoint in all bits. Empty unless
-  /// `second_order`.
+  /// The curved edges of elements with mid-side nodes, by their vertices in ascending order, each once. Where one is
+  /// listed, readers list every edge whose node is not the midpoint in all bits. Empty unless `second_order`.
   std::vector<CurvedEdge> curved_edges;
 
   /// The .inp file that the mesh was read from; write_mesh() writes it back, with this mesh, to files of that format.

@@ -51,15 +51,16 @@ std::vector<Kind> kinds_of(const TetMesh& mesh) {
                           pairs(kTriangleEdges)));
   kinds.push_back(kind_of(1, second ? kEdge3 : kEdge, mesh.edges, mesh.edge_tags, mesh.edge_data, pairs(kEdgeEdges)));
   for (const ElementBlock& block : mesh.others) {
-    const ElementKind* const other = find_element_kind(block.kind);
-    if (other == nullptr) throw FileError("Gmsh has no elements of kind " + block.kind);
-    kinds.push_back({other->dimension,
-                     item(kOtherTypes, other - kElementKinds.data()),
-                     std::size_t(other->vertices),
+    const std::size_t list = list_of(mesh, block);
+    if (list == kOtherLists) throw FileError("Gmsh has no elements of kind " + block.kind);
+    const std::span<const Pair> edges = middle_edges(mesh, block, MiddleOrder::gmsh);
+    kinds.push_back({kind_of_list(list).dimension,
+                     kOtherTypes[list],
+                     std::size_t(block.vertices_per_element),
                      block.element2vertex,
                      &block.tags,
                      &block.data,
-                     {},
+                     {edges.begin(), edges.end()},
                      {}});
   }
   return kinds;

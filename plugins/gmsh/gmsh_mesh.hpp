@@ -14,8 +14,8 @@ inline constexpr const char* kGeometrical = "gmsh:geometrical";
 
 /// Gmsh's numbers of the element types that tetune reads.
 inline constexpr int kEdge = 1, kTriangle = 2, kTet = 4, kEdge3 = 8, kTriangle6 = 9, kTet10 = 11;
-/// Gmsh's numbers of the types of other elements, in the order of kElementKinds.
-inline constexpr std::array<int, 5> kOtherTypes{15, 3, 7, 6, 5};
+/// Gmsh's numbers of the types of other elements, by their lists (kind_of_list()).
+inline constexpr std::array<int, kOtherLists> kOtherTypes{15, 3, 7, 6, 5, 16, 19, 18, 17};
 
 /// Reads the model that Gmsh has opened.
 TetMesh from_gmsh(Warnings& warnings);

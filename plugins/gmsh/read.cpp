@@ -36,10 +36,7 @@ struct FoundKind {
 
 class Reader {
  public:
-  Reader(TetMesh& mesh, Warnings& warnings) : mesh_(mesh), warnings_(warnings) {
-    for (const ElementKind& kind : kElementKinds)
-      others_.push_back({std::string(kind.name), kind.vertices, {}, {}, {}});
-  }
+  Reader(TetMesh& mesh, Warnings& warnings) : mesh_(mesh), warnings_(warnings) {}
 
   void read() {
     const Numbers nodes = read_nodes();
@@ -162,19 +159,19 @@ class Reader {
     };
     switch (type) {
       case kTet10:
-        add_middles(v, 4, kGmshTetEdges);
+        add_simplex_middles(v, kGmshTetEdges);
         [[fallthrough]];
       case kTet:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         return note(tets_, mesh_.tet_tags);
       case kTriangle6:
-        add_middles(v, 3, kTriangleEdges);
+        add_simplex_middles(v, kTriangleEdges);
         [[fallthrough]];
       case kTriangle:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         return note(triangles_, mesh_.triangle_tags);
       case kEdge3:
-        add_middles(v, 2, kEdgeEdges);
+        add_simplex_middles(v, kEdgeEdges);
         [[fallthrough]];
       case kEdge:
         mesh_.edges.push_back({v[0], v[1]});
@@ -191,21 +188,23 @@ class Reader {
       int first_order = 0;
       std::vector<double> places;
       gmsh::model::mesh::getElementProperties(type, name, dimension, order, all, places, first_order);
-      throw FileError(
-          "element " + std::to_string(element) + " is a \"" + name +
-          "\", which tetune does not read; it reads tetrahedra, triangles and lines of first or second order; "
-          "points, quadrilaterals, pyramids, prisms and hexahedra of first order");
+      const std::string found = "element " + std::to_string(element) + " is a \"" + name + "\"";
+      const bool is_other = first_order != dimension + 1;
+      if (is_other && order == 2) throw FileError(found + ": " + kNodesOnFaces);
+      throw FileError(found +
+                      ", which tetune does not read; it reads points, and lines, triangles, tetrahedra, "
+                      "quadrilaterals, pyramids, prisms and hexahedra of first or second order");
     }
     const std::size_t k(at - kOtherTypes.begin());
-    others_[k].element2vertex.insert(others_[k].element2vertex.end(), v.begin(), v.end());
-    note(other_kinds_[k], others_[k].tags);
+    ElementBlock& block = others_[k];
+    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + block.vertices_per_element);
+    note(other_kinds_[k], block.tags);
+    if (block.second_order) add_middles(v, edges_of_kind(block.kind, MiddleOrder::gmsh), middles_);
   }
 
-  template <std::size_t N>
-  void add_middles(const std::vector<Index>& v, std::size_t corners, const std::array<Pair, N>& edges) {
-    for (std::size_t e = 0; e < N; ++e) {
-      middles_.push_back({v[corners + e], {item(v, edges[e][0]), item(v, edges[e][1])}});
-    }
+  void add_simplex_middles(const std::vector<Index>& v, std::span<const Pair> edges) {
+    mesh_.second_order = true;
+    add_middles(v, edges, middles_);
   }
 
   template <class T>
@@ -269,8 +268,8 @@ class Reader {
   Warnings& warnings_;
   bool grouped_ = false;
   FoundKind tets_, triangles_, edges_;
-  std::vector<ElementBlock> others_;
-  std::array<FoundKind, 5> other_kinds_;
+  std::vector<ElementBlock> others_ = blocks_of_lists();
+  std::array<FoundKind, kOtherLists> other_kinds_;
   std::vector<Middle> middles_;
 };
 

@@ -67,7 +67,8 @@ class File {
   int id_;
 };
 
-/// Names of kinds of elements in Exodus. TetMesh has arrays for the first ones.
+/// Names of kinds of elements in Exodus. TetMesh has arrays for the first ones; the others are in the order of their
+/// lists (kind_of_list()).
 struct KindOfElement {
   const char* written;
   std::vector<const char*> names;
@@ -86,6 +87,10 @@ inline const std::vector<KindOfElement> kKinds{
     {"PYRAMID5", {"PYR"}, 5, 5},
     {"WEDGE6", {"WED"}, 6, 6},
     {"HEX8", {"HEX"}, 8, 8},
+    {"QUAD8", {"QUAD", "SHELL"}, 8, 4},
+    {"PYRAMID13", {"PYR"}, 13, 5},
+    {"WEDGE15", {"WED"}, 15, 6},
+    {"HEX20", {"HEX"}, 20, 8},
 };
 inline constexpr std::size_t kTets = 0, kTriangles = 2, kEdges = 4, kOthers = 6;
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exodus II through the library that comes with VTK: element blocks, side sets, node sets and variables.
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "exodus.hpp"
 #include "exodus_file.hpp"
@@ -31,11 +34,16 @@ std::size_t kind_of(const ex_block& block) {
       if (name.rfind(start, 0) == 0) return k;
     }
   }
-  throw FileError(
-      "element block " + std::to_string(block.id) + " is of type \"" + block.topology + "\" with " +
-      std::to_string(block.num_nodes_per_entry) +
-      " nodes, which tetune does not read; it reads tetrahedra, triangles and bars of first or second order; "
-      "quadrilaterals, pyramids, wedges and hexahedra of first order");
+  const std::string found = "element block " + std::to_string(block.id) + " is of type \"" + block.topology +
+                            "\" with " + std::to_string(block.num_nodes_per_entry) + " nodes";
+  constexpr std::array<std::pair<std::string_view, int>, 5> kOnEdges{
+      {{"QUAD", 8}, {"SHELL", 8}, {"PYR", 13}, {"WED", 15}, {"HEX", 20}}};
+  for (const auto& [start, nodes] : kOnEdges) {
+    if (name.starts_with(start) && block.num_nodes_per_entry > nodes) throw FileError(found + ": " + kNodesOnFaces);
+  }
+  throw FileError(found +
+                  ", which tetune does not read; it reads bars, triangles, tetrahedra, quadrilaterals, "
+                  "pyramids, wedges and hexahedra of first or second order");
 }
 
 std::int64_t number_of_times(const File& file) { return ex_inquire_int(file.id(), EX_INQ_TIME); }
@@ -43,10 +51,7 @@ std::int64_t number_of_times(const File& file) { return ex_inquire_int(file.id()
 class ExodusReader {
  public:
   ExodusReader(const File& file, int time, TetMesh& mesh, Warnings& warnings)
-      : file_(file), time_(time), mesh_(mesh), warnings_(warnings) {
-    for (const ElementKind& kind : kElementKinds)
-      others_.push_back({std::string(kind.name), kind.vertices, {}, {}, {}});
-  }
+      : file_(file), time_(time), mesh_(mesh), warnings_(warnings) {}
 
   void read() {
     ex_init_params counts{};
@@ -108,7 +113,7 @@ class ExodusReader {
     const int tag = tag_of(id, "element block");
     for (std::size_t e = 0; e < nodes.size(); e += each) add(block.kind, nodes.data() + e, tag);
     const int dimension = block.kind < kTriangles ? 3 : block.kind < kEdges ? 2 : block.kind < kOthers ? 1 : -1;
-    add_group(dimension >= 0 ? dimension : kElementKinds.at(block.kind - kOthers).dimension, tag,
+    add_group(dimension >= 0 ? dimension : kind_of_list(block.kind - kOthers).dimension, tag,
               name_of(EX_ELEM_BLOCK, id));
     blocks_.push_back(block);
   }
@@ -135,21 +140,21 @@ class ExodusReader {
   void add(std::size_t kind, const int* v, int tag) {
     switch (kind) {
       case kTets + 1:
-        add_middles(v, 4, kTetEdges);
+        add_simplex_middles(v, kTetEdges);
         [[fallthrough]];
       case kTets:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         mesh_.tet_tags.push_back(tag);
         return;
       case kTriangles + 1:
-        add_middles(v, 3, kTriangleEdges);
+        add_simplex_middles(v, kTriangleEdges);
         [[fallthrough]];
       case kTriangles:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         mesh_.triangle_tags.push_back(tag);
         return;
       case kEdges + 1:
-        add_middles(v, 2, kEdgeEdges);
+        add_simplex_middles(v, kEdgeEdges);
         [[fallthrough]];
       case kEdges:
         mesh_.edges.push_back({v[0], v[1]});
@@ -161,11 +166,16 @@ class ExodusReader {
     ElementBlock& block = others_[kind - kOthers];
     block.element2vertex.insert(block.element2vertex.end(), v, v + block.vertices_per_element);
     block.tags.push_back(tag);
+    if (!block.second_order) return;
+    add_middles({v, std::size_t(kKinds[kind].nodes)}, edges_of_kind(block.kind, MiddleOrder::base_between_top),
+                middles_);
   }
 
   template <std::size_t N>
-  void add_middles(const int* v, std::size_t corners, const std::array<Pair, N>& edges) {
-    for (std::size_t e = 0; e < N; ++e) middles_.push_back({v[corners + e], {v[edges[e][0]], v[edges[e][1]]}});
+  void add_simplex_middles(const int* v, const std::array<Pair, N>& edges) {
+    mesh_.second_order = true;
+    const std::size_t vertices = N == 6 ? 4 : N == 3 ? 3 : 2;
+    add_middles({v, vertices + N}, edges, middles_);
   }
 
   /// Reads a side set, whose sides of tetrahedra become listed triangles.
@@ -331,7 +341,7 @@ class ExodusReader {
   FreeNumbers free_numbers_{{}};
   std::int64_t elements_ = 0;
   std::vector<Block> blocks_;
-  std::vector<ElementBlock> others_;
+  std::vector<ElementBlock> others_ = blocks_of_lists();
   std::vector<Middle> middles_;
 };
 

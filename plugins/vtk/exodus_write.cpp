@@ -101,12 +101,12 @@ class Writer {
       add(kEdges + second, 1, mesh_.edge_tags[e], mesh_.edges[e].data(), 2, kEdgeEdges, e);
     }
     for (const ElementBlock& block : mesh_.others) {
-      const ElementKind* const kind = find_element_kind(block.kind);
-      if (kind == nullptr) throw FileError("Exodus has no elements of kind " + block.kind);
-      const std::size_t each(kind->vertices);
+      const std::size_t list = list_of(mesh_, block);
+      if (list == kOtherLists) throw FileError("Exodus has no elements of kind " + block.kind);
+      const std::size_t each(block.vertices_per_element);
       for (std::size_t i = 0; i < block.tags.size(); ++i) {
-        add(kOthers + std::size_t(kind - kElementKinds.data()), kind->dimension, block.tags[i],
-            block.element2vertex.data() + i * each, each, std::array<Pair, 0>{}, i);
+        add(kOthers + list, kind_of_list(list).dimension, block.tags[i], block.element2vertex.data() + i * each, each,
+            middle_edges(mesh_, block, MiddleOrder::base_between_top), i);
       }
     }
   }

@@ -11,8 +11,16 @@
 /// The types of cells and the names of arrays that reading and writing share.
 namespace tetune::plugin {
 
-/// VTK's types of other elements, in the order of kElementKinds.
-inline constexpr std::array<int, 5> kOtherTypes{VTK_VERTEX, VTK_QUAD, VTK_PYRAMID, VTK_WEDGE, VTK_HEXAHEDRON};
+/// VTK's types of other elements, by their lists (kind_of_list()).
+inline constexpr std::array<int, kOtherLists> kOtherTypes{VTK_VERTEX,
+                                                          VTK_QUAD,
+                                                          VTK_PYRAMID,
+                                                          VTK_WEDGE,
+                                                          VTK_HEXAHEDRON,
+                                                          VTK_QUADRATIC_QUAD,
+                                                          VTK_QUADRATIC_PYRAMID,
+                                                          VTK_QUADRATIC_WEDGE,
+                                                          VTK_QUADRATIC_HEXAHEDRON};
 inline constexpr const char* kOwnTags = "medit:ref";
 
 /// Lists of vertices as flags, under the names of Mmg's Python package.

@@ -22,10 +22,7 @@ namespace {
 class GridReader {
  public:
   GridReader(vtkUnstructuredGrid* grid, TetMesh& mesh, Warnings& warnings)
-      : grid_(grid), mesh_(mesh), warnings_(warnings) {
-    for (const ElementKind& kind : kElementKinds)
-      others_.push_back({std::string(kind.name), kind.vertices, {}, {}, {}});
-  }
+      : grid_(grid), mesh_(mesh), warnings_(warnings) {}
 
   /// Points of several pieces are merged before the mid-side nodes are checked: both copies of such a node are one.
   void read(Pieces pieces) {
@@ -53,16 +50,18 @@ class GridReader {
   }
 
   /// Reads and checks the vertices of a cell.
-  std::array<Index, 10> vertices_of(vtkIdType c, int type) const {
+  std::array<Index, kMaxNodes> vertices_of(vtkIdType c, int type) const {
     vtkIdType n = 0;
     const vtkIdType* ids = nullptr;
     grid_->GetCellPoints(c, n, ids);
-    std::array<Index, 10> v{};
+    std::array<Index, kMaxNodes> v{};
     const int expected = size_of(type);
     if (expected < 0 || (type == VTK_POLY_VERTEX && n != 1)) {
-      throw FileError("cell " + std::to_string(c) + " is of VTK's type " + std::to_string(type) +
-                      ", which tetune does not read; it reads tetrahedra (of first or second order), triangles, lines, "
-                      "vertices, quadrilaterals, pyramids, wedges and hexahedra");
+      const std::string found = "cell " + std::to_string(c) + " is of VTK's type " + std::to_string(type);
+      if (has_nodes_on_faces(type)) throw FileError(found + ": " + kNodesOnFaces);
+      throw FileError(found +
+                      ", which tetune does not read; it reads vertices, and lines, triangles, tetrahedra, "
+                      "quadrilaterals, pyramids, wedges and hexahedra of first or second order");
     }
     if (n != expected) {
       throw FileError("cell " + std::to_string(c) + " of VTK's type " + std::to_string(type) + " has " +
@@ -80,24 +79,29 @@ class GridReader {
 
   void read_cell(vtkIdType c) {
     const int type = grid_->GetCellType(c);
-    std::array<Index, 10> v = vertices_of(c, type);
+    std::array<Index, kMaxNodes> v = vertices_of(c, type);
+    const std::span<const Index> nodes = std::span(v).first(std::size_t(size_of(type)));
+    const auto add_simplex_middles = [&](std::span<const Pair> edges) {
+      mesh_.second_order = true;
+      add_middles(nodes, edges, middles_);
+    };
     switch (type) {
       case VTK_QUADRATIC_TETRA:
-        add_middles(v, 4, kTetEdges);
+        add_simplex_middles(kTetEdges);
         [[fallthrough]];
       case VTK_TETRA:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         tets_.push_back(c);
         return;
       case VTK_QUADRATIC_TRIANGLE:
-        add_middles(v, 3, kTriangleEdges);
+        add_simplex_middles(kTriangleEdges);
         [[fallthrough]];
       case VTK_TRIANGLE:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         triangles_.push_back(c);
         return;
       case VTK_QUADRATIC_EDGE:
-        add_middles(v, 2, kEdgeEdges);
+        add_simplex_middles(kEdgeEdges);
         [[fallthrough]];
       case VTK_LINE:
         mesh_.edges.push_back({v[0], v[1]});
@@ -114,8 +118,10 @@ class GridReader {
                       : type == VTK_POLY_VERTEX ? VTK_VERTEX
                                                 : type;
     const std::size_t k(std::find(kOtherTypes.begin(), kOtherTypes.end(), plain) - kOtherTypes.begin());
-    others_[k].element2vertex.insert(others_[k].element2vertex.end(), v.begin(), v.begin() + size_of(type));
+    ElementBlock& block = others_[k];
+    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + block.vertices_per_element);
     other_cells_[k].push_back(c);
+    if (block.second_order) add_middles(nodes, kind_of_list(k).edges, middles_);
   }
 
   /// Joins the pieces. Flags of copies say nothing of the whole mesh.
@@ -160,19 +166,24 @@ class GridReader {
         return 6;
       case VTK_HEXAHEDRON:
       case VTK_VOXEL:
+      case VTK_QUADRATIC_QUAD:
         return 8;
       case VTK_QUADRATIC_TETRA:
         return 10;
+      case VTK_QUADRATIC_PYRAMID:
+        return 13;
+      case VTK_QUADRATIC_WEDGE:
+        return 15;
+      case VTK_QUADRATIC_HEXAHEDRON:
+        return 20;
       default:
         return -1;
     }
   }
-
-  template <std::size_t N>
-  void add_middles(const std::array<Index, 10>& v, std::size_t corners, const std::array<Pair, N>& edges) {
-    for (std::size_t e = 0; e < N; ++e) {
-      middles_.push_back({v[corners + e], {item(v, edges[e][0]), item(v, edges[e][1])}});
-    }
+  /// Whether a type is a quadrilateral, pyramid, wedge or hexahedron with nodes in the middles of faces.
+  static bool has_nodes_on_faces(int type) {
+    return type == VTK_BIQUADRATIC_QUAD || type == VTK_TRIQUADRATIC_PYRAMID || type == VTK_TRIQUADRATIC_HEXAHEDRON ||
+           type == VTK_BIQUADRATIC_QUADRATIC_WEDGE || type == VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON;
   }
 
   void read_point_data() {
@@ -190,17 +201,24 @@ class GridReader {
     std::vector<DataArray> data = arrays_of(grid_->GetCellData(), "cells", warnings_);
     std::vector<int> tags = take_tags(data, mesh_.cell_tags_name, warnings_);
     tags.resize(std::size_t(grid_->GetNumberOfCells()), 0);
-    const auto flags = [&data](const char* name, const std::vector<vtkIdType>& cells, std::vector<Index>& ids) {
-      for (const vtkIdType c : take_flags(data, name)) {
+    const auto add_flagged = [](const std::vector<vtkIdType>& flagged, const std::vector<vtkIdType>& cells,
+                                std::vector<Index>& ids) {
+      for (const vtkIdType c : flagged) {
         const auto at = std::lower_bound(cells.begin(), cells.end(), c);
         if (at != cells.end() && *at == c) ids.push_back(Index(at - cells.begin()));
       }
+    };
+    const auto flags = [&](const char* name, const std::vector<vtkIdType>& cells, std::vector<Index>& ids) {
+      add_flagged(take_flags(data, name), cells, ids);
     };
     flags(kRequiredEdges, edges_, mesh_.required_edges);
     flags(kRidges, edges_, mesh_.ridges);
     flags(kRequiredTriangles, triangles_, mesh_.required_triangles);
     flags(kRequiredTets, tets_, mesh_.required_tets);
-    flags(kRequiredQuads, other_cells_[1], others_[1].required);
+    const std::vector<vtkIdType> required_quads = take_flags(data, kRequiredQuads);
+    for (std::size_t k = 0; k < others_.size(); ++k) {
+      if (kind_of_list(k).dimension == 2) add_flagged(required_quads, other_cells_[k], others_[k].required);
+    }
     const auto take = [&](const std::vector<vtkIdType>& cells, std::vector<int>& own,
                           std::vector<DataArray>& own_data) {
       for (const vtkIdType c : cells) own.push_back(item(tags, c));
@@ -217,8 +235,8 @@ class GridReader {
   TetMesh& mesh_;
   Warnings& warnings_;
   std::vector<vtkIdType> tets_, triangles_, edges_;
-  std::vector<ElementBlock> others_;
-  std::array<std::vector<vtkIdType>, 5> other_cells_;
+  std::vector<ElementBlock> others_ = blocks_of_lists();
+  std::array<std::vector<vtkIdType>, kOtherLists> other_cells_;
   std::vector<Middle> middles_;
 };
 

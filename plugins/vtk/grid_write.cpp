@@ -76,7 +76,7 @@ vtkSmartPointer<vtkDataArray> flags_of(const char* name, const std::vector<Index
 /// The cells of a grid: edges, triangles and tetrahedra, then the other kinds.
 struct Layout {
   std::vector<Cells> kinds;
-  std::size_t first_quad = 0;  ///< position of the first quadrilateral
+  std::vector<std::size_t> first_of_block{};  ///< position of the first cell of each block of other kinds
 };
 
 Layout add_cells(const TetMesh& mesh, const Middles* middles, vtkUnstructuredGrid& grid) {
@@ -108,12 +108,16 @@ Layout add_cells(const TetMesh& mesh, const Middles* middles, vtkUnstructuredGri
   add_all(mesh.tets, kTetEdges, VTK_TETRA, VTK_QUADRATIC_TETRA);
   layout.kinds.push_back({mesh.tets.size(), &mesh.tet_tags, &mesh.tet_data});
   for (const ElementBlock& block : mesh.others) {
-    const ElementKind* const kind = find_element_kind(block.kind);
-    if (kind == nullptr) throw FileError("VTK has no cells for elements of kind " + block.kind);
-    const int type = item(kOtherTypes, kind - kElementKinds.data());
-    if (type == VTK_QUAD) layout.first_quad = std::size_t(cells->GetNumberOfCells());
-    const std::size_t each(kind->vertices);
-    for (std::size_t i = 0; i < block.tags.size(); ++i) add(block.element2vertex.data() + i * each, each, type);
+    const std::size_t list = list_of(mesh, block);
+    if (list == kOtherLists) throw FileError("VTK has no cells for elements of kind " + block.kind);
+    layout.first_of_block.push_back(std::size_t(cells->GetNumberOfCells()));
+    const std::span<const Pair> edges = middle_edges(mesh, block, MiddleOrder::base_top_between);
+    const std::size_t each = std::size_t(block.vertices_per_element) + edges.size();
+    std::array<Index, kMaxNodes> nodes{};
+    for (std::size_t i = 0; i < block.tags.size(); ++i) {
+      list_other(block, i, middles, edges, nodes);
+      add(nodes.data(), each, kOtherTypes[list]);
+    }
     layout.kinds.push_back({block.tags.size(), &block.tags, &block.data});
   }
   grid.SetCells(types, cells);
@@ -133,13 +137,16 @@ void add_cell_data(const TetMesh& mesh, const Layout& layout, vtkUnstructuredGri
   const auto add_flags = [&](const char* name, const std::vector<Index>& list, std::size_t first) {
     if (!list.empty()) grid.GetCellData()->AddArray(flags_of(name, list, first, all));
   };
+  std::vector<Index> required_quads;
   add_flags(kRequiredEdges, mesh.required_edges, 0);
   add_flags(kRidges, mesh.ridges, 0);
   add_flags(kRequiredTriangles, mesh.required_triangles, mesh.edges.size());
   add_flags(kRequiredTets, mesh.required_tets, mesh.edges.size() + mesh.triangles.size());
-  for (const ElementBlock& block : mesh.others) {
-    if (block.kind == "Quadrilaterals") add_flags(kRequiredQuads, block.required, layout.first_quad);
+  for (std::size_t b = 0; b < mesh.others.size(); ++b) {
+    if (mesh.others[b].kind != "Quadrilaterals") continue;
+    for (const Index i : mesh.others[b].required) required_quads.push_back(Index(layout.first_of_block[b]) + i);
   }
+  add_flags(kRequiredQuads, required_quads, 0);
 }
 
 void add_point_data(const TetMesh& mesh, vtkUnstructuredGrid& grid) {

@@ -56,7 +56,8 @@ void construct(TetMesh* place, nb::object points, nb::object tets, nb::object po
                nb::object triangles, nb::object triangle_tags, nb::object edges, nb::object edge_tags,
                nb::object corners, nb::object required_vertices, nb::object ridges, nb::object required_edges,
                nb::object required_triangles, nb::object required_tets, const std::vector<Block>& others,
-               bool second_order, nb::object curved_edges, nb::object curved_middles) {
+               const std::vector<bool>& second_order_others, bool second_order, nb::object curved_edges,
+               nb::object curved_middles) {
   TetMesh mesh;
   assign("points", points, mesh.points);
   assign("tets", tets, mesh.tets);
@@ -74,7 +75,11 @@ void construct(TetMesh* place, nb::object points, nb::object tets, nb::object po
   assign("required_tets", required_tets, mesh.required_tets);
   assign_curved_edges(curved_edges, curved_middles, mesh.curved_edges);
   mesh.second_order = second_order || !mesh.curved_edges.empty();
-  for (const auto& [kind, object] : others) {
+  if (!second_order_others.empty() && second_order_others.size() != others.size()) {
+    throw nb::value_error("second_order_others must have one entry per entry of others, or none");
+  }
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const auto& [kind, object] = others[i];
     const auto array = as_array(kind.c_str(), object);
     if (array.ndim() != 2 || array.shape(1) == 0) {
       throw nb::value_error((kind + " must have the shape (n, vertices of one), with at least one vertex").c_str());
@@ -82,6 +87,7 @@ void construct(TetMesh* place, nb::object points, nb::object tets, nb::object po
     ElementBlock block{
         kind, static_cast<int>(array.shape(1)), std::vector<Index>(array.size()), std::vector<int>(array.shape(0)), {}};
     if (array.size() > 0) copy_array(kind.c_str(), array, array.shape(1), block.element2vertex.data());
+    block.second_order = !second_order_others.empty() && second_order_others[i];
     mesh.others.push_back(std::move(block));
   }
   fill_tags(mesh.point_tags, mesh.points.size());
@@ -183,6 +189,14 @@ void bind_second_order(nb::class_<TetMesh>& type) {
           },
           "Whether the elements have mid-side nodes; these are not among `points`.")
       .def_prop_ro(
+          "second_order_others",
+          [](Self s) {
+            std::vector<bool> flags;
+            for (const ElementBlock& b : of(s).others) flags.push_back(b.second_order);
+            return flags;
+          },
+          "Whether each of `others` has mid-side nodes, if `second_order`.")
+      .def_prop_ro(
           "curved_edges", [](Self s) { return view_curved(of(s).curved_edges, &CurvedEdge::vertices, s); },
           "The vertices of the edges whose mid-side node is not the midpoint, (n, 2).")
       .def_prop_ro(
@@ -199,24 +213,27 @@ void bind_mesh(nb::module_& m) {
       "zero-based.\n\nThe tag 0 means \"no tag\". Tetrahedra that are listed inside out are "
       "reversed. Meshes are copied by copy, and pickled for the same version of tetune, except those of decks "
       "(.inp), whose text a pickle cannot hold.");
-  type.def("__init__", &construct, "points"_a, "tets"_a, nb::kw_only(), "point_tags"_a = nb::none(),
-           "tet_tags"_a = nb::none(), "triangles"_a = nb::none(), "triangle_tags"_a = nb::none(),
-           "edges"_a = nb::none(), "edge_tags"_a = nb::none(), "corners"_a = nb::none(),
-           "required_vertices"_a = nb::none(), "ridges"_a = nb::none(), "required_edges"_a = nb::none(),
-           "required_triangles"_a = nb::none(), "required_tets"_a = nb::none(), "others"_a = std::vector<Block>{},
-           "second_order"_a = false, "curved_edges"_a = nb::none(), "curved_middles"_a = nb::none(),
-           nb::sig("def __init__(self, points: ArrayLike, tets: ArrayLike, *, point_tags: ArrayLike | None = None, "
-                   "tet_tags: ArrayLike | None = None, triangles: ArrayLike | None = None, "
-                   "triangle_tags: ArrayLike | None = None, edges: ArrayLike | None = None, "
-                   "edge_tags: ArrayLike | None = None, corners: ArrayLike | None = None, "
-                   "required_vertices: ArrayLike | None = None, ridges: ArrayLike | None = None, "
-                   "required_edges: ArrayLike | None = None, required_triangles: ArrayLike | None = None, "
-                   "required_tets: ArrayLike | None = None, others: Sequence[tuple[str, ArrayLike]] = ..., "
-                   "second_order: bool = False, curved_edges: ArrayLike | None = None, "
-                   "curved_middles: ArrayLike | None = None) -> None"),
-           "Copies the arrays. Each of `others` is a kind of element and the vertices of all elements of that kind; "
-           "they do not change. Edges of second-order elements are straight except `curved_edges`, each with the "
-           "position of its mid-side node in `curved_middles`.");
+  type.def(
+      "__init__", &construct, "points"_a, "tets"_a, nb::kw_only(), "point_tags"_a = nb::none(),
+      "tet_tags"_a = nb::none(), "triangles"_a = nb::none(), "triangle_tags"_a = nb::none(), "edges"_a = nb::none(),
+      "edge_tags"_a = nb::none(), "corners"_a = nb::none(), "required_vertices"_a = nb::none(), "ridges"_a = nb::none(),
+      "required_edges"_a = nb::none(), "required_triangles"_a = nb::none(), "required_tets"_a = nb::none(),
+      "others"_a = std::vector<Block>{}, "second_order_others"_a = std::vector<bool>{}, "second_order"_a = false,
+      "curved_edges"_a = nb::none(), "curved_middles"_a = nb::none(),
+      nb::sig("def __init__(self, points: ArrayLike, tets: ArrayLike, *, point_tags: ArrayLike | None = None, "
+              "tet_tags: ArrayLike | None = None, triangles: ArrayLike | None = None, "
+              "triangle_tags: ArrayLike | None = None, edges: ArrayLike | None = None, "
+              "edge_tags: ArrayLike | None = None, corners: ArrayLike | None = None, "
+              "required_vertices: ArrayLike | None = None, ridges: ArrayLike | None = None, "
+              "required_edges: ArrayLike | None = None, required_triangles: ArrayLike | None = None, "
+              "required_tets: ArrayLike | None = None, others: Sequence[tuple[str, ArrayLike]] = ..., "
+              "second_order_others: Sequence[bool] = ..., second_order: bool = False, curved_edges: ArrayLike | None = "
+              "None, "
+              "curved_middles: ArrayLike | None = None) -> None"),
+      "Copies the arrays. Each of `others` is a kind of element and the vertices of all elements of that kind; "
+      "they do not change. `second_order_others` says which of them have mid-side nodes, if `second_order`. Edges "
+      "of second-order elements are straight except `curved_edges`, each with the position of its mid-side node in "
+      "`curved_middles`.");
   bind_mesh_arrays(type);
   bind_links(type);
   bind_second_order(type);

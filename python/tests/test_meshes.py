@@ -147,10 +147,10 @@ def test_what_is_no_mesh_for_us():
     points, tets = shaken_box(2, 2, 2)
     with pytest.raises(tetune.MeshError, match="there is no tetrahedron in this mesh; its cells are: triangle"):
         tetune.optimize(meshio.Mesh(points, [("triangle", tets[:, :3])]))
-    with pytest.raises(tetune.MeshError, match="cells of type hexahedron20 are not supported"):
-        tetune.optimize(meshio.Mesh(points, [("hexahedron20", np.zeros((1, 20), int))]))
-    with pytest.raises(tetune.MeshError, match="cells of VTK type 26 are not supported"):
-        tetune.optimize(pv.examples.cells.QuadraticWedge())
+    with pytest.raises(tetune.MeshError, match="cells of type hexahedron27 are not supported"):
+        tetune.optimize(meshio.Mesh(points, [("hexahedron27", np.zeros((1, 27), int))]))
+    with pytest.raises(tetune.MeshError, match="cells of VTK type 29 are not supported"):
+        tetune.optimize(pv.examples.cells.TriQuadraticHexahedron())
     with pytest.raises(TypeError, match="this is a pyvista.core.pointset.PolyData"):
         tetune.optimize(pv.Sphere())
     with pytest.raises(TypeError, match="tags names data of a meshio or pyvista mesh"):

@@ -6,6 +6,7 @@ import pytest
 
 import tetune
 from meshes import shaken_box
+from tetune._adapters import adapter_of
 
 meshio = pytest.importorskip("meshio")
 pv = pytest.importorskip("pyvista")
@@ -223,3 +224,58 @@ def test_refused():
         tetune.quality(meshio.Mesh(points, [("tetra10", wrong)]))
     with pytest.raises(tetune.MeshError, match="holds no mid-side nodes"):
         tetune.LiveMesh(meshio.Mesh(points, [("tetra10", cells)]))
+
+
+WEDGE_EDGES = [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)]
+
+
+def test_other_kinds_keep_their_nodes():
+    flat, tets = shaken_box(4, 3, 3)
+    nodes, cells = with_middles(flat, tets)
+    first = len(nodes) - len(flat)
+    faces = np.concatenate([tets[:, k] for k in ([0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2])])
+    faces = faces[(flat[faces][..., 2] == 0).all(axis=1)]
+    corners = np.unique(faces)
+    lower = {v: len(nodes) + i for i, v in enumerate(corners)}
+    middle = {tuple(sorted((cell[a], cell[b]))): cell[4 + k] for cell in cells for k, (a, b) in enumerate(EDGES)}
+    positions, wedges = [*nodes, *(flat[corners] - [0, 0, 1])], []
+    for face in faces:
+        row = [*(lower[v] for v in face), *(first + face)]
+        for a, b in WEDGE_EDGES:
+            edge = tuple(sorted((row[a], row[b])))
+            if edge not in middle:
+                middle[edge] = len(positions)
+                positions.append((positions[edge[0]] + positions[edge[1]]) / 2)
+            row.append(middle[edge])
+        wedges.append(row)
+    positions, wedges = bent(np.array(positions)), np.array(wedges)
+    grid = pv.UnstructuredGrid({24: cells, 26: wedges}, positions)
+    work = adapter_of(grid, None).tet_mesh()
+    assert work.second_order and work.second_order_others == [True] and work.others[0][0] == "Prisms"
+    assert len(work.points) == len(flat) + len(corners)
+    r = tetune.optimize(grid, boundary="slide")
+    assert r.moved.any()
+    kept = r.mesh.cells_dict
+    new = r.mesh.points[kept[26]]
+    assert np.array_equal(new, positions[wedges])
+    by_edge = middles_by_edge(r.mesh.points, kept[24])
+    for k, (a, b) in enumerate(WEDGE_EDGES):
+        for wedge in new:
+            edge = frozenset([tuple(wedge[a]), tuple(wedge[b])])
+            assert by_edge.get(edge, tuple(wedge[6 + k])) == tuple(wedge[6 + k])
+    with pytest.raises(tetune.MeshError, match="cells of type wedge15 without tetra10 beside them are not supported"):
+        tetune.optimize(pv.UnstructuredGrid({10: cells[:, :4], 26: wedges}, positions))
+    with pytest.raises(ValueError, match="second_order_others must have one entry per entry of others"):
+        tetune.TetMesh(flat, tets, second_order_others=[True])
+
+
+def test_hexahedra_of_meshio():
+    points, cells = bent_box()
+    corners = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float) + [9, 0, 0]
+    edges = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    hexahedron = bent(np.concatenate([corners, corners[edges].mean(axis=1)]))
+    mesh = meshio.Mesh(np.concatenate([points, hexahedron]), [("tetra10", cells), ("hexahedron20", len(points) + np.arange(20)[None])])
+    for r in (tetune.optimize(mesh), tetune.optimize(mesh, boundary="slide")):
+        assert r.moved.any() and [b.type for b in r.mesh.cells] == ["tetra10", "hexahedron20"]
+        assert np.array_equal(r.mesh.points[r.mesh.cells[1].data[0]], hexahedron)
+        assert tetune.quality(r.mesh).curved.all_valid

@@ -43,8 +43,12 @@ def command(tmp_path):
     return make
 
 
+HEXAHEDRON_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+
+
 def rich_mesh(order=1):
-    """Regions, triangles, quadrilaterals, hexahedra and data; of second order, with one curved edge."""
+    """Regions, triangles, quadrilaterals, hexahedra and data; of second order, with a curved edge of a tetrahedron and one of
+    a hexahedron."""
     points, tets = shaken_box(4, 2, 2)
     far = np.array([[x, y, z] for z in (5, 6) for y in (0, 1) for x in (0, 1)], float)
     region = np.where(points[tets].mean(axis=1)[:, 0] > 2, 2, 1)
@@ -58,8 +62,11 @@ def rich_mesh(order=1):
         edges, number = np.unique(np.concatenate([np.sort(tets[:, p], axis=1) for p in pairs]), axis=0, return_inverse=True)
         middles = points[edges].mean(axis=1)
         middles[7] += [0.01, 0.02, 0]
-        cells = [("tetra10", np.hstack([tets, len(points) + number.reshape(6, -1).T])), *cells[2:]]
-        points = np.concatenate([points, middles])
+        ends = points[hexahedron[0][HEXAHEDRON_EDGES]]
+        hexahedron = np.hstack([hexahedron, len(points) + len(middles) + np.arange(12)[None, :]])
+        cells = [("tetra10", np.hstack([tets, len(points) + number.reshape(6, -1).T])), cells[2], ("hexahedron20", hexahedron)]
+        points = np.concatenate([points, middles, ends.mean(axis=1)])
+        points[-2] += [0.02, 0.01, 0]
     sizes = [len(ids) for _, ids in cells]
     tags = [region, *(np.full(n, 5 + i) for i, n in enumerate(sizes[1:]))]
     required = np.zeros(len(points), np.uint8)
@@ -87,7 +94,8 @@ def test_same_mesh_as_through_vtk(command, tmp_path, package, order):
         assert np.array_equal(back.points[back.cells[j].data], mesh.points[block.data])
         for name, kept_as in (("medit:ref", "gmsh:physical"), ("load", "load")):  # as the .msh between has it
             assert np.array_equal(back.cell_data[kept_as][j], mesh.cell_data[name][i]), name
-    vertices = np.isin(np.arange(len(mesh.points)), mesh.cells[0].data[:, 4:], invert=True)
+    middles = [mesh.cells[0].data[:, 4:].ravel(), mesh.cells[-1].data[:, 8:].ravel()]  # none of first order
+    vertices = np.isin(np.arange(len(mesh.points)), np.concatenate(middles), invert=True)
     for name in ("u", "id"):
         assert np.array_equal(back.point_data[name][: vertices.sum()], mesh.point_data[name][vertices]), name
     # Where the command line of this package has VTK itself, it reads the same.
@@ -95,6 +103,26 @@ def test_same_mesh_as_through_vtk(command, tmp_path, package, order):
     if own.exists() and own.read_bytes()[:2] != b"#!":
         subprocess.run([OWN / "bin" / "tetune", "convert", "in.vtu", "vtk.msh"], cwd=tmp_path, check=True)
         assert (tmp_path / "vtk.msh").read_bytes() == (tmp_path / "out.msh").read_bytes()
+
+
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_wedges_of_second_order(command, tmp_path, package):
+    """meshio has none."""
+    pv = pytest.importorskip("pyvista")
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 2], [1, 0, 2], [0, 1, 2]], float)
+    edges = [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)]
+    wedge = pv.UnstructuredGrid({26: np.arange(15)[None]}, np.concatenate([points, points[edges].mean(axis=1)]))
+    wedge.save(tmp_path / "in.vtu")
+    run = command(package)
+    done = run("convert", "in.vtu", "out.unv")
+    if package == "meshio":
+        assert done.returncode == 2 and "meshio has no cells of type wedge15; install pyvista" in done.stderr
+        return
+    assert done.returncode == 0, done.stderr
+    done = run("convert", "out.unv", "back.vtu")
+    assert done.returncode == 0, done.stderr
+    back = pv.read(tmp_path / "back.vtu")
+    assert np.array_equal(back.points[back.cells_dict[26][0]], wedge.points)
 
 
 @pytest.mark.parametrize("package", ["pyvista", "meshio"])

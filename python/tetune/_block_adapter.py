@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ._adapter import Adapter, Array, M
 from ._core import MeshError, Report, TetMesh, conserve_data
 from ._point_data import Unchanged, as_rows, interpolated, is_smooth, transfer_point_data
-from ._second_order import LINEAR_KIND, Middles, Nodes
+from ._second_order import LINEAR_KIND, OTHER_KIND, Middles, Nodes
 from ._tags import Tags, required_of, tags_of, without_inserted
 from ._vtk_stream import CELLS, ORDERS, POINT_FLAGS, TAG_NAMES
 
@@ -73,7 +73,8 @@ class BlockAdapter(Adapter[M]):
             triangle_tags=self._joined_tags("triangle"),
             edges=self._joined("line"),
             edge_tags=self._joined_tags("line"),
-            others=[(b.kind, self._linear(b)) for b in others],
+            others=[(OTHER_KIND.get(b.kind, b.kind), self._linear(b)) for b in others],
+            second_order_others=[b.kind in OTHER_KIND for b in others],
             **self._required,
             **({} if middles is None else middles.curved_arguments()),
         )

@@ -17,15 +17,22 @@ if TYPE_CHECKING:
 Array: TypeAlias = NDArray[Any]
 
 # The linear kind of each second-order one.
-LINEAR_KIND = {"tetra10": "tetra", "triangle6": "triangle", "line3": "line"}
+LINEAR_KIND = {"tetra10": "tetra", "triangle6": "triangle", "line3": "line",
+               "quad8": "quad", "pyramid13": "pyramid", "wedge15": "wedge", "hexahedron20": "hexahedron"}
+# Second-order kinds that are kept unchanged, with the library's names.
+OTHER_KIND = {"quad8": "Quadrilaterals", "pyramid13": "Pyramids", "wedge15": "Prisms", "hexahedron20": "Hexahedra"}
 # The ends of the edges of each kind, in the order of their mid-side nodes.
 EDGES = {
     "tetra10": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
     "triangle6": ((0, 1), (1, 2), (2, 0)),
     "line3": ((0, 1),),
+    "quad8": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "pyramid13": ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
+    "wedge15": ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)),
+    "hexahedron20": ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
 }
 # The number of vertices of each kind; the mid-side nodes follow.
-CORNERS = {"tetra10": 4, "triangle6": 3, "line3": 2}
+CORNERS = {"tetra10": 4, "triangle6": 3, "line3": 2, "quad8": 4, "pyramid13": 5, "wedge15": 6, "hexahedron20": 8}
 # The largest distance of a node from the midpoint, in parts of the edge, that counts as rounding; as in files.
 STRAIGHT = 1e-4
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-VERSION = 0x7465_7475_6E65_0004
+VERSION = 0x7465_7475_6E65_0005
 # In the order of DataValues.
 TYPES = ("f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")
 TAG_NAMES = ("medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical")
@@ -24,13 +24,24 @@ REQUIRED_QUADS = "mmg_required_quadrilaterals"
 # VTK's number of a kind of cells: vertices, and meshio's name.
 CELLS = {1: (1, "vertex"), 3: (2, "line"), 5: (3, "triangle"), 8: (4, "pixel"), 9: (4, "quad"), 10: (4, "tetra"),
          11: (8, "voxel"), 12: (8, "hexahedron"), 13: (6, "wedge"), 14: (5, "pyramid"),
-         21: (3, "line3"), 22: (6, "triangle6"), 24: (10, "tetra10")}
+         21: (3, "line3"), 22: (6, "triangle6"), 23: (8, "quad8"), 24: (10, "tetra10"), 25: (20, "hexahedron20"),
+         26: (15, "wedge15"), 27: (13, "pyramid13")}
 ORDERS = {8: [0, 1, 3, 2], 11: [0, 1, 3, 2, 4, 5, 7, 6]}  # pixels and voxels as quadrilaterals and hexahedra
-# Kinds that are kept unchanged, in the order in which they are written: name, VTK's numbers.
-OTHERS = (("Points", (1,)), ("Quadrilaterals", (9, 8)), ("Pyramids", (14,)), ("Prisms", (13,)), ("Hexahedra", (12, 11)))
+# Kinds that are kept unchanged, in the order in which they are written: name, corners, VTK's numbers, and of second order
+# the edges in the order of their nodes.
+QUAD = ((0, 1), (1, 2), (2, 3), (3, 0))
+OTHERS = (("Points", 1, (1,), ()), ("Quadrilaterals", 4, (9, 8), ()), ("Pyramids", 5, (14,), ()), ("Prisms", 6, (13,), ()),
+          ("Hexahedra", 8, (12, 11), ()), ("Quadrilaterals", 4, (23,), QUAD),
+          ("Pyramids", 5, (27,), (*QUAD, (0, 4), (1, 4), (2, 4), (3, 4))),
+          ("Prisms", 6, (26,), ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))),
+          ("Hexahedra", 8, (25,), (*QUAD, (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))))
 # Edges, triangles, tetrahedra: corners, VTK's numbers of first and second order, edges in the order of their nodes.
 PAIRS = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 SIMPLICES = {"edge": (2, 3, 21, PAIRS[:1]), "triangle": (3, 5, 22, PAIRS[:3]), "tet": (4, 10, 24, PAIRS)}
+# Kinds of second order: VTK's number; corners, the number by which cells without their mid-side nodes are known here,
+# and edges.
+SECOND = {second: (corners, first, pairs) for corners, first, second, pairs in SIMPLICES.values()} | {
+    numbers[0]: (corners, numbers[0], pairs) for _, corners, numbers, pairs in OTHERS if pairs}
 # A node farther than this part of its edge from the midpoint makes a mesh curved: src/io/second_order.cpp.
 CURVED = 1e-4
 
@@ -160,14 +171,19 @@ def without_middles(grid: Grid) -> tuple[Grid, bool, Any, Any]:
     """The grid of first order, whether it was of second, and the curved edges: vertices and positions of their nodes."""
     straight, ends, nodes = [], [], []
     for kind, ids, rows in grid.cells:
-        for corners, first, second, pairs in SIMPLICES.values():
-            if kind == second:
-                ends += [ids[:, pair] for pair in map(list, pairs)]
-                nodes += [ids[:, corners + i] for i in range(len(pairs))]
-                kind, ids = first, ids[:, :corners]
+        if kind in SECOND:
+            corners, first, pairs = SECOND[kind]
+            ends += [ids[:, pair] for pair in map(list, pairs)]
+            nodes += [ids[:, corners + i] for i in range(len(pairs))]
+            kind, ids = first, ids[:, :corners]
         straight.append((kind, ids, rows))
     if not nodes:
         return grid, False, np.zeros((0, 2), "i4"), np.zeros((0, 3))
+    kinds = {kind for kind, _, _ in grid.cells}
+    others = [CELLS[numbers[0]][1] for _, _, numbers, pairs in OTHERS if pairs and numbers[0] in kinds]
+    if others and 10 in kinds and not kinds & {21, 22, 24}:
+        raise Refused(f"the tetrahedra are of first order, but cells of type {others[0]} have mid-side nodes; give the "
+                      "tetrahedra mid-side nodes, or take those of the other cells out")
     end, node = np.concatenate(ends), np.concatenate(nodes)
     new = np.cumsum(~np.isin(np.arange(len(grid.points)), node)) - 1
     kept = ~np.isin(np.arange(len(grid.points)), node)
@@ -218,16 +234,17 @@ def encode(grid: Grid, warnings: list[str], out: Writer) -> None:
     for name, kind in CELL_FLAGS.values():
         out.items(flagged(take_flags(of_cells, name), simplices[kind][1]), "i4")
     quads_required = take_flags(of_cells, REQUIRED_QUADS)
-    others = [(name, CELLS[kinds[0]][0], *cells_of(kinds, CELLS[kinds[0]][0])) for name, kinds in OTHERS]
+    others = [(name, width, *cells_of(kinds, width), bool(pairs)) for name, width, kinds, pairs in OTHERS]
     others = [block for block in others if len(block[3])]
     out.number("Q", len(others))
-    for name, width, ids, rows in others:
+    for name, width, ids, rows, has_middles in others:
         out.text(name)
         out.number("i", width)
         out.items(ids, "i4")
         out.items(cell_tags[rows], "i4")
         out.items(flagged(quads_required, rows) if name == "Quadrilaterals" else [], "i4")
         out.data({name: values[rows] for name, values in of_cells.items()})
+        out.number("B", has_middles)
     out.data(of_points)
     for _, rows in simplices.values():
         out.data({name: values[rows] for name, values in of_cells.items()} if len(rows) else {})
@@ -255,7 +272,7 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     others = []
     for _ in range(s.number("Q")):
         name, width = s.text(), s.number("i")
-        others.append((name, s.items("i4").reshape(-1, width), s.items("i4"), s.items("i4"), s.data()))
+        others.append((name, s.items("i4").reshape(-1, width), s.items("i4"), s.items("i4"), s.data(), s.number("B") != 0))
     point_data = s.data()
     for kind in ("tet", "triangle", "edge"):
         blocks[kind][2] = s.data()
@@ -273,8 +290,9 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
         blocks["tet"][0] = blocks["tet"][0][:, [0, 1, 3, 2]]
 
     kinds = [(SIMPLICES[k][1], *blocks[k]) for k in ("edge", "triangle", "tet")]
-    numbers = {name: number[0] for name, number in OTHERS}
-    kinds += [(numbers[name], ids, tags, data) for name, ids, tags, _, data in others]
+    numbers = {(name, bool(pairs)): kinds_of[0] for name, _, kinds_of, pairs in OTHERS}
+    number_of = [numbers[name, has_middles and second_order] for name, *_, has_middles in others]
+    kinds += [(number, *block[1:3], block[4]) for number, block in zip(number_of, others)]
     sizes = [len(ids) for _, ids, _, _ in kinds]
     first = dict(zip([k[0] for k in kinds], np.cumsum([0, *sizes])))
     cell_data = merged([k[3] for k in kinds], sizes)
@@ -298,9 +316,10 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
         flags(point_data, name, positions, len(points))
     for name, kind, positions in of_cells:
         flags(cell_data, name, positions + first[SIMPLICES[kind][1]], sum(sizes))
-    for name, _, _, required, _ in others:
-        if name == "Quadrilaterals":
-            flags(cell_data, REQUIRED_QUADS, required + first[9], sum(sizes))
+    required_quads = [required + first[number] for number, (_, _, _, required, *_) in zip(number_of, others)
+                      if number in (9, 23)]
+    if required_quads:
+        flags(cell_data, REQUIRED_QUADS, np.concatenate(required_quads), sum(sizes))
     return Grid(points, cells, point_data, cell_data)
 
 
@@ -325,7 +344,7 @@ def with_middles(points: Any, cells: list[tuple[int, Any, Any]], point_data: dic
                  curved: Any) -> tuple[Any, list[tuple[int, Any, Any]], dict[str, Any]]:
     """Points, cells and data of second order: the node of each edge, behind all vertices. Its data are those of Middles
     in src/io/second_order.cpp: means of both ends, or integers of the first."""
-    of_kind = {first: (second, [list(p) for p in pairs]) for _, first, second, pairs in SIMPLICES.values()}
+    of_kind = {first: (second, [list(p) for p in pairs]) for second, (_, first, pairs) in SECOND.items()}
     ends = [np.sort(ids[:, pair], axis=1) for kind, ids, _ in cells if kind in of_kind for pair in of_kind[kind][1]]
     edges, number = np.unique(np.concatenate(ends), axis=0, return_inverse=True)
     number = number.reshape(-1) + len(points)

@@ -19,7 +19,7 @@ namespace tetune {
 
 /// The first word of a stream with a mesh, and of an answer: "tetune" and the version of the encoding, which increases
 /// with every change of transfer() or of the types below it. A plugin of another build is recognized by it.
-inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0004;
+inline constexpr std::uint64_t kStreamVersion = 0x7465'7475'6e65'0005;
 inline constexpr std::uint64_t kAnswerVersion = ~kStreamVersion;
 
 /// T, or const T.
@@ -41,7 +41,8 @@ void transfer(Archive& archive, AnyLink& link) {
 }
 template <class Archive, MaybeConst<ElementBlock> Block>
 void transfer(Archive& archive, Block& block) {
-  archive(block.kind, block.vertices_per_element, block.element2vertex, block.tags, block.required, block.data);
+  archive(block.kind, block.vertices_per_element, block.element2vertex, block.tags, block.required, block.data,
+          block.second_order);
 }
 template <class Archive, MaybeConst<TetMesh> Mesh>
 void transfer(Archive& archive, Mesh& m) {

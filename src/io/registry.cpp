@@ -94,15 +94,18 @@ const Format& format_of(const std::string& path, Access access) {
 }
 
 /// Throws FileError where arrays of tags or data differ in length from those of their elements, by which writers index
-/// them, where a list or an element names an entity that does not exist, or where there are two blocks of one kind.
+/// them, where a list or an element names an entity that does not exist, or where there are two blocks of one kind and
+/// order.
 void check_arrays(const std::string& path, const TetMesh& mesh) {
   if (const ValidationReport report = validate_indices(mesh); !report.ok()) {
     throw FileError(path + ": " + report.message(false));
   }
   for (const ElementBlock& block : mesh.others) {
-    const auto same_kind = [&block](const ElementBlock& b) { return b.kind == block.kind; };
+    const auto same_kind = [&block](const ElementBlock& b) {
+      return b.kind == block.kind && b.second_order == block.second_order;
+    };
     if (std::count_if(mesh.others.begin(), mesh.others.end(), same_kind) > 1) {
-      throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file can hold one");
+      throw FileError(path + ": the mesh has two blocks of " + block.kind + "; a file can hold one of each order");
     }
   }
 }

@@ -113,10 +113,43 @@ void for_each_list(TetMesh& mesh, const Function& f) {
   f(mesh.required_vertices.data(), mesh.required_vertices.size());
 }
 
+/// Tetrahedra without mid-side nodes would get some on writing.
+void refuse_linear_tets(const TetMesh& mesh) {
+  if (mesh.second_order || mesh.tets.empty()) return;
+  const auto block = std::find_if(mesh.others.begin(), mesh.others.end(),
+                                  [](const ElementBlock& b) { return b.second_order && !b.tags.empty(); });
+  if (block == mesh.others.end()) return;
+  throw FileError("the tetrahedra are of first order, but the " + std::to_string(block->tags.size()) + " " +
+                  block->kind + " have mid-side nodes; give the tetrahedra mid-side nodes, or take those of the " +
+                  block->kind + " out");
+}
+
 }  // namespace
+
+std::span<const Pair> edges_of_kind(std::string_view name, MiddleOrder order) {
+  static constexpr std::array<Pair, 9> kPrism{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {5, 3}}};
+  static constexpr std::array<Pair, 12> kHex{
+      {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {4, 5}, {5, 6}, {6, 7}, {7, 4}}};
+  static constexpr std::array<Pair, 8> kGmshPyramid{{{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}};
+  static constexpr std::array<Pair, 9> kGmshPrism{
+      {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 4}, {2, 5}, {3, 4}, {3, 5}, {4, 5}}};
+  static constexpr std::array<Pair, 12> kGmshHex{
+      {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}}};
+  const ElementKind* const kind = find_element_kind(name);
+  if (kind == nullptr) return {};
+  if (kind->name == "Pyramids" && order == MiddleOrder::gmsh) return kGmshPyramid;
+  if (kind->name == "Prisms" && order != MiddleOrder::base_top_between) {
+    return order == MiddleOrder::gmsh ? kGmshPrism : kPrism;
+  }
+  if (kind->name == "Hexahedra" && order != MiddleOrder::base_top_between) {
+    return order == MiddleOrder::gmsh ? kGmshHex : kHex;
+  }
+  return kind->edges;
+}
 
 std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   if (middles.empty()) return {};
+  refuse_linear_tets(mesh);
   std::string warning = lost_values(middles, mesh);
   mesh.second_order = true;
   mesh.curved_edges = find_curved(middles, mesh.points);
@@ -128,7 +161,7 @@ std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
       if (span_of(old2new)[v] >= 0) continue;
       throw FileError("node " + std::to_string(v + 1) +
                       ", counted from 1, is in the middle of one element's edge and a vertex of another element; give "
-                      "all tetrahedra the same order");
+                      "all elements the same order");
     }
   };
   for_each_list(mesh, check);
@@ -178,6 +211,7 @@ Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
   for (const auto& tet : mesh.tets) add(tet.data(), kTetEdges);
   for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
   for (const auto& edge : mesh.edges) add(edge.data(), kEdgeEdges);
+  for_each_other_middle(mesh, [this](Index a, Index b) { edges_.push_back(ascending(a, b)); });
   sort_unique(edges_);
   for (const auto& [a, b] : edges_) {
     const Point3 middle = midpoint(span_of(mesh.points)[a], span_of(mesh.points)[b]);

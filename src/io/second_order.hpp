@@ -4,21 +4,38 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "mesh/element_kinds.hpp"
 #include "tetune/mesh.hpp"
 
 namespace tetune {
 
 /// The edges of a tetrahedron, triangle and edge in the order in which second-order elements of VTK and Exodus number
 /// their middle nodes. Gmsh's tetrahedron has the last two exchanged.
-using Pair = std::array<int, 2>;
 inline constexpr std::array<Pair, 6> kTetEdges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 inline constexpr std::array<Pair, 6> kGmshTetEdges{{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {2, 3}, {1, 3}}};
 inline constexpr std::array<Pair, 3> kTriangleEdges{{{0, 1}, {1, 2}, {2, 0}}};
 inline constexpr std::array<Pair, 1> kEdgeEdges{{{0, 1}}};
+
+/// The order in which a format numbers the nodes in the middles of the edges of other kinds.
+enum class MiddleOrder : std::uint8_t {
+  base_top_between,  ///< Abaqus, CalculiX, VTK: ElementKind::edges
+  base_between_top,  ///< Nastran, Exodus
+  gmsh,              ///< by the vertices of the edges
+};
+/// The edges of a kind of ElementBlock in the order of a format; none for points and other names.
+std::span<const Pair> edges_of_kind(std::string_view kind, MiddleOrder order);
+
+/// What readers say of quadrilaterals, pyramids, prisms and hexahedra with more nodes than those on edges.
+inline constexpr const char* kNodesOnFaces =
+    "elements with nodes in the middles of faces are not read; make them with nodes in the middles of edges alone "
+    "(Gmsh: Mesh.SecondOrderIncomplete = 1)";
 
 /// A node in the middle of an edge.
 struct Middle {
@@ -26,18 +43,28 @@ struct Middle {
   std::array<Index, 2> ends;
 };
 
+/// Lists the nodes in the middles of the edges of an element. `nodes`: its vertices, then a node per edge.
+inline void add_middles(std::span<const Index> nodes, std::span<const Pair> edges, std::vector<Middle>& middles) {
+  const std::size_t vertices = nodes.size() - edges.size();
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    middles.push_back({nodes[vertices + e], {nodes[std::size_t(edges[e][0])], nodes[std::size_t(edges[e][1])]}});
+  }
+}
+
 /// Erases the nodes in the middles of edges, their data and their periodic pairs, and lists the curved edges. Returns a
 /// warning if Middles would not restore their data or tags, else an empty text. A mesh is straight if no node is
-/// farther than 1e-4 of the edge from the midpoint. Throws FileError where a node is a vertex of another element, or a
-/// curved mesh has two nodes on an edge or two edges at a node.
+/// farther than 1e-4 of the edge from the midpoint. TetMesh::second_order says whether tetrahedra, triangles or edges
+/// have such nodes, and is true then where other elements have. Throws FileError where tetrahedra have none, but other
+/// elements; where a node is a vertex of another element; or where a curved mesh has two nodes on an edge or two edges
+/// at a node.
 std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
 
 /// The warning of writers of linear elements.
 std::string lost_middles(const TetMesh& mesh);
 
-/// Adds a node in the middle of each edge of the tetrahedra, listed triangles and edges, after all others; on a curved
-/// edge at the listed position. Its data are the means of both ends, or the integers of the first end; it is in the
-/// sets of nodes that both ends are in, and has no tag.
+/// Adds a node in the middle of each edge of the tetrahedra, listed triangles, edges and other elements of second
+/// order, after all others; on a curved edge at the listed position. Its data are the means of both ends, or the
+/// integers of the first end; it is in the sets of nodes that both ends are in, and has no tag.
 class Middles {
  public:
   explicit Middles(TetMesh& mesh);
@@ -63,14 +90,14 @@ class Middles {
   Index first_ = 0;
 };
 
-/// The most nodes of a simplex.
-inline constexpr std::size_t kMaxSimplexNodes = 10;
+/// The most nodes of an element, a hexahedron of second order.
+inline constexpr std::size_t kMaxNodes = 20;
 
 /// Writes the nodes of a tetrahedron, triangle or edge as files list them: the vertices, in the order of the input, and
 /// where there are `middles` those in the middles of `edges`.
 template <std::size_t N, std::size_t E>
 void list_simplex(const TetMesh& mesh, std::array<Index, N> vertices, const Middles* middles,
-                  const std::array<Pair, E>& edges, std::array<Index, kMaxSimplexNodes>& nodes) {
+                  const std::array<Pair, E>& edges, std::array<Index, kMaxNodes>& nodes) {
   if constexpr (N == 4) {
     if (mesh.listed_inside_out) std::swap(vertices[2], vertices[3]);
   }
@@ -79,6 +106,22 @@ void list_simplex(const TetMesh& mesh, std::array<Index, N> vertices, const Midd
   for (std::size_t k = 0; k < E; ++k) {
     nodes[N + k] = middles->of(vertices[std::size_t(edges[k][0])], vertices[std::size_t(edges[k][1])]);
   }
+}
+
+/// Writes the nodes of an element of another kind likewise. The block is of second order where there are `edges`.
+inline void list_other(const ElementBlock& block, std::size_t element, const Middles* middles,
+                       std::span<const Pair> edges, std::array<Index, kMaxNodes>& nodes) {
+  const std::size_t vertices = to_size_t(block.vertices_per_element);
+  const auto of_element = std::span(block.element2vertex).subspan(element * vertices, vertices);
+  std::copy(of_element.begin(), of_element.end(), nodes.begin());
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    nodes[vertices + k] = middles->of(of_element[std::size_t(edges[k][0])], of_element[std::size_t(edges[k][1])]);
+  }
+}
+
+/// The edges of the elements of a block whose middles are nodes, in the order of a format.
+inline std::span<const Pair> middle_edges(const TetMesh& mesh, const ElementBlock& block, MiddleOrder order) {
+  return has_middles(mesh, block) ? edges_of_kind(block.kind, order) : std::span<const Pair>();
 }
 
 }  // namespace tetune

@@ -109,24 +109,27 @@ void check_coordinates(Span<const Point3> points, ValidationReport& report) {
   not_finite.finish(report);
 }
 
-/// Edges of tetrahedra, listed triangles and listed edges that are in a sorted list: 1 per entry.
+/// Edges of tetrahedra, listed triangles, listed edges and other elements of second order that are in a sorted list: 1
+/// per entry.
 std::vector<std::uint8_t> find_edges(const TetMesh& mesh, const std::vector<CurvedEdge>& list) {
   std::vector<std::uint8_t> found(list.size(), 0);
+  const auto find = [&](Index a, Index b) {
+    const std::array edge{std::min(a, b), std::max(a, b)};
+    const auto at = std::lower_bound(list.begin(), list.end(), edge,
+                                     [](const CurvedEdge& e, const auto& sought) { return e.vertices < sought; });
+    if (at != list.end() && at->vertices == edge) span_of(found)[at - list.begin()] = 1;
+  };
   const auto find_in = [&](const auto& elements) {
     for (const auto& element : elements) {
       for (std::size_t i = 0; i < element.size(); ++i) {
-        for (std::size_t j = i + 1; j < element.size(); ++j) {
-          const std::array edge{std::min(element[i], element[j]), std::max(element[i], element[j])};
-          const auto at = std::lower_bound(list.begin(), list.end(), edge,
-                                           [](const CurvedEdge& e, const auto& sought) { return e.vertices < sought; });
-          if (at != list.end() && at->vertices == edge) span_of(found)[at - list.begin()] = 1;
-        }
+        for (std::size_t j = i + 1; j < element.size(); ++j) find(element[i], element[j]);
       }
     }
   };
   find_in(mesh.tets);
   find_in(mesh.triangles);
   find_in(mesh.edges);
+  for_each_other_middle(mesh, find);
   return found;
 }
 

@@ -174,8 +174,15 @@ inline void check_written(const std::string& path, const std::string& out, Coord
   const TetMesh back = read_mesh(out, nullptr, 1);
   const bool has_points =
       coordinates == Coordinates::exact ? back.points == mesh.points : back.points.size() == mesh.points.size();
+  const auto same_others = [&back](const ElementBlock& block) {
+    return block.kind == kPoints ||
+           std::any_of(back.others.begin(), back.others.end(), [&block](const ElementBlock& b) {
+             return b.kind == block.kind && b.second_order == block.second_order &&
+                    b.element2vertex == block.element2vertex;
+           });
+  };
   if (!has_points || back.tets.size() != mesh.tets.size() || back.triangles != mesh.triangles ||
-      back.edges != mesh.edges) {
+      back.edges != mesh.edges || !std::all_of(mesh.others.begin(), mesh.others.end(), same_others)) {
     fail("a written mesh was read back as another one");
   }
 }

@@ -97,8 +97,28 @@ def nastran(points, tets, extra):
     return (text + "ENDDATA\n").encode()
 
 
+BASE, TOP, UPRIGHT = (((0, 1), (1, 2), (2, 3), (3, 0)), ((4, 5), (5, 6), (6, 7), (7, 4)), ((0, 4), (1, 5), (2, 6), (3, 7)))
+
+
+def hexahedron(first, edges):
+    """The nodes of a hexahedron of 20 nodes apart from the others, numbered from `first`: vertices, then the middles."""
+    corners = [(x + 5, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    middles = [tuple((p + q) / 2 for p, q in zip(corners[a], corners[b])) for a, b in edges]
+    return list(enumerate((*corners, *middles), first))
+
+
+def msh_second_order(points, tets):
+    """A hexahedron of 20 nodes beside points, as version 2.2 has it."""
+    edges = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7))
+    nodes = [*enumerate(points, 1), *hexahedron(len(points) + 1, edges)]
+    text = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(nodes)}\n"
+    text += "".join(f"{n} {x} {y} {z}\n" for n, (x, y, z) in nodes)
+    return (text + "$EndNodes\n$Elements\n1\n1 17 2 1 1 " + " ".join(str(n) for n, _ in nodes[-20:])
+            + "\n$EndElements\n").encode()
+
+
 def nastran_second_order(points, tets):
-    """Tetrahedra of 10 nodes, from a deck of them."""
+    """Tetrahedra of 10 nodes, from a deck of them, and a hexahedron of 20."""
     lines = inp_second_order(points, tets).decode().splitlines()
     begin, end = next(i for i, line in enumerate(lines) if line.startswith("*ELEM")), lines.index(
         next(line for line in lines if line.startswith("*NSET")))
@@ -107,6 +127,10 @@ def nastran_second_order(points, tets):
     for line in lines[begin + 1:end]:
         number, *nodes = line.split(", ")
         text += ",".join(("CTETRA", number, "1", *nodes[:6], "+A")) + "\n" + ",".join(("+A", *nodes[6:])) + "\n"
+    nodes = hexahedron(5001, BASE + UPRIGHT + TOP)
+    text += "".join("GRID,{},,{},{},{}\n".format(n, *map(float, p)) for n, p in nodes)
+    numbers = [str(n) for n, _ in nodes]
+    text += ",".join(("CHEXA,900,2", *numbers[:6], "+B\n+B", *numbers[6:14], "+C\n+C", *numbers[14:])) + "\n"
     return (text + "ENDDATA\n").encode()
 
 
@@ -133,7 +157,7 @@ def unv(points, tets, extra):
 
 
 def unv_second_order(points, tets):
-    """Tetrahedra of 10 nodes, from a deck of them."""
+    """Tetrahedra of 10 nodes, from a deck of them, and a hexahedron of 20."""
     lines = inp_second_order(points, tets).decode().splitlines()
     begin, end = next(i for i, line in enumerate(lines) if line.startswith("*ELEM")), lines.index(
         next(line for line in lines if line.startswith("*NSET")))
@@ -141,11 +165,16 @@ def unv_second_order(points, tets):
     for line in lines[1:begin]:
         number, *x = line.split(", ")
         text += f"{number} 1 1 11\n" + " ".join(repr(float(value)) for value in x) + "\n"
+    hexahedron_nodes = hexahedron(5001, BASE + UPRIGHT + TOP)
+    text += "".join("{} 1 1 11\n{} {} {}\n".format(n, *map(float, p)) for n, p in hexahedron_nodes)
     text += "    -1\n    -1\n  2412\n"
     for line in lines[begin + 1:end]:
         number, *nodes = line.split(", ")
         nodes = [nodes[k] for k in (0, 4, 1, 5, 2, 6, 7, 8, 9, 3)]
         text += f"{number} 118 1 1 7 10\n" + " ".join(nodes[:8]) + "\n" + " ".join(nodes[8:]) + "\n"
+    places = (0, 8, 1, 9, 2, 10, 3, 11, 12, 13, 14, 15, 4, 16, 5, 17, 6, 18, 7, 19)
+    numbers = [str(hexahedron_nodes[k][0]) for k in places]
+    text += "900 116 2 1 7 20\n" + "".join(" ".join(numbers[k:k + 8]) + "\n" for k in (0, 8, 16))
     return (text + "    -1\n").encode()
 
 
@@ -276,7 +305,7 @@ def inp(points, tets, extra):
 
 
 def inp_second_order(points, tets):
-    """A deck of tetrahedra of 10 nodes, with sets, a load on a face and one on a mid-side node."""
+    """A deck of tetrahedra of 10 nodes and a hexahedron of 20, with sets, a load on a face and one on a mid-side node."""
     pairs = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
     nodes, middles = list(points), {}
     for tet in tets:
@@ -291,6 +320,10 @@ def inp_second_order(points, tets):
         row = [*tet, *(middles[tuple(sorted((tet[i], tet[j])))] for i, j in pairs)]
         text += ", ".join(map(str, (number, *(v + 1 for v in row)))) + "\n"
     text += f"*NSET, NSET=SOME, GENERATE\n1, {len(nodes)}, 2\n*DLOAD\n1, P1, 2.\n*CLOAD\n{len(nodes)}, 1, 1.\n"
+    added = hexahedron(5001, BASE + TOP + UPRIGHT)
+    text += "*NODE\n" + "".join(", ".join(map(str, (n, *p))) + "\n" for n, p in added)
+    numbers = [str(n) for n, _ in added]
+    text += "*ELEMENT, TYPE=C3D20\n900, " + ", ".join(numbers[:15]) + ",\n" + ", ".join(numbers[15:]) + "\n"
     return text.encode()
 
 
@@ -329,7 +362,7 @@ def plugin_answer(points, tets, extra):
         out.extend(struct.pack("<i", 4))
         for rows in ([0, 1, 3, 2], [9], [0]):
             array("i", rows)
-        out.extend(struct.pack("<Q", 0))
+        out.extend(struct.pack("<Q?", 0, False))
     for count in (len(points), len(tets), len(triangles), len(edges)):
         data(count)
     out.extend(struct.pack("<Q", 1 if extra else 0))
@@ -344,7 +377,7 @@ def plugin_answer(points, tets, extra):
         array("i", [(0, 1)])
     for text in ("medit:ref", "", "msh 4.1 binary"):
         string(text)
-    return bytes(out) + bytes(2)
+    return bytes(out) + struct.pack("<?Q?", False, 0, False)
 
 
 COMMAND_LINES = ("in.mesh out.mesh --boundary slide --feature-angle 30 --max-deviation 0.1%", "a.mesh b.mesh -o x/ --report {}.json",
@@ -366,6 +399,7 @@ def main(folder):
             for old in (False, True):
                 for binary in (False, True):
                     put("msh", f"{stem}_{'22' if old else '41'}{'b' if binary else ''}", msh(points, tets, extra, old, binary))
+            put("msh", name + "_20", msh_second_order(points, tets))
             put("inp", stem, inp(points, tets, extra))
             put("inp", name + "_10", inp_second_order(points, tets))
             put("su2", stem, su2(points, tets, extra))

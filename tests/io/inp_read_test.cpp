@@ -93,6 +93,16 @@ TEST_F(Inp, FlowsAndChargesOnFacesAreTriangles) {
   }
 }
 
+TEST_F(Inp, LinesOfSurfacesWithoutAnElementAreNoFaces) {
+  for (const char* card : {"*SURFACE, NAME=S\n, S1\n", "*SURFACE, NAME=S\n , S1\n7, S2\n", "*DLOAD\n,P1,1.\n"}) {
+    const std::string text = kTwoTets + card;
+    const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+    EXPECT_EQ(m.triangles.size(), contains(card, "S2") ? 1U : 0U) << card;
+    write_mesh(path("b.inp"), m, 1);
+    EXPECT_EQ(get("b.inp"), text) << card;
+  }
+}
+
 TEST_F(Inp, LinesAreCountedOverContinuedOnes) {
   const std::string cards =
       "*NSET,\n NSET=A\n10\n*SOLID SECTION, ELSET=E,\n1.\n*ELEMENT, TYPE=C3D4\n9, 10, 20,\n30, 40\n";

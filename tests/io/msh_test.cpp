@@ -195,7 +195,7 @@ TEST_F(Msh, ErrorsSayWhere) {
     return kOldHead + kOldNodes + "$Elements\n1\n" + line + "\n$EndElements\n";
   };
   refused(element("1 4 2 0 1 1 2 3 9"), "element 1 has node 9, which does not exist");
-  refused(element("1 17 2 0 1 1 2 3 4"), "a.msh:14: element 1 is of type 17, which tetune does not read");
+  refused(element("1 29 2 0 1 1 2 3 4"), "a.msh:14: element 1 is of type 29, which tetune does not read");
   refused(element("1 4 2 0 3000000000 1 2 3 4"), "tag of an element 3000000000 does not fit 32 bits");
   refused(element("1 4 2 0 1 1 2 3"), "expected an integer (node), found \"$EndElements\"");
   TetMesh m = one_tet();

@@ -44,6 +44,13 @@ std::string mutated(std::string bytes, const std::vector<std::string>& tokens, s
   return bytes;
 }
 
+/// Elements that every format with mid-side nodes has.
+std::vector<ElementBlock> second_order_others() {
+  return {{"Quadrilaterals", 4, {0, 1, 4, 3}, {7}, {}, {}, true},
+          {"Prisms", 6, {8, 9, 10, 11, 12, 13}, {2}, {}, {}, true},
+          {"Hexahedra", 8, {14, 15, 16, 17, 18, 19, 20, 21}, {2}, {}, {}, true}};
+}
+
 class MutationTest : public IoTest {
  protected:
   /// Reads, and validates what comes out. Returns whether the reader refused.
@@ -124,8 +131,12 @@ TEST_F(MutationTest, Msh) {
     m.point_data = {{"heat", 1, std::vector<double>(m.points.size(), 0.5)}};
     m.periodic = {{2, 7, 7, {}, {{0, 1}}}};
     m.dialect = dialect;
-    write_mesh(path("whole.msh"), m);
-    run("a.msh", get("whole.msh"), words, 6);
+    for (const bool second_order : {false, true}) {
+      m.second_order = second_order;
+      if (second_order) m.others = second_order_others();
+      write_mesh(path("whole.msh"), m);
+      run("a.msh", get("whole.msh"), words, 6);
+    }
   }
 }
 
@@ -136,6 +147,7 @@ TEST_F(MutationTest, Inp) {
   m.groups = {{3, 1, "steel", {1}}, {2, 7, "inlet", {7, 8}}};
   for (const bool second_order : {false, true}) {
     m.second_order = second_order;
+    if (second_order) m.others = second_order_others();
     write_mesh(path("whole.inp"), m);
     run("a.inp", get("whole.inp"),
         {"*NODE\n", "*ELEMENT, TYPE=C3D8\n", "*NSET, NSET=A, GENERATE\n", "*ELSET, ELSET=B\n", "*SURFACE, NAME=C\n",
@@ -163,6 +175,7 @@ TEST_F(MutationTest, Nastran) {
   m.edge_tags = {9};
   for (const bool second_order : {false, true}) {
     m.second_order = second_order;
+    if (second_order) m.others = second_order_others();
     write_mesh(path("whole.bdf"), m);
     run("a.bdf", get("whole.bdf"),
         {"GRID,", "CTETRA* ", "CHEXA   ", "INCLUDE 'a.bdf'\n", "BEGIN BULK\n", "ENDDATA\n", "       0", "      -1",
@@ -181,6 +194,7 @@ TEST_F(MutationTest, Unv) {
   m.point_data = {{"node_set:3:corner", 1, std::vector<std::uint8_t>(m.points.size(), 1)}};
   for (const bool second_order : {false, true}) {
     m.second_order = second_order;
+    if (second_order) m.others = second_order_others();
     write_mesh(path("whole.unv"), m);
     run("a.unv", get("whole.unv"),
         {"    -1\n", "  2412\n", "  2477\n", "  2420\n", "   780\n", "    15\n", "         0", "        -1",

@@ -211,7 +211,7 @@ TEST_F(Nastran, ErrorsNameTheLineAndTheRemedy) {
            {mesh + "CTRIA3,2,7,1,2,99\n", "a.bdf:6: CTRIA3 2 has node 99, and no GRID card has this number"},
            {mesh + "CTRIA3,2,0,1,2,3\n", "a.bdf:6: CTRIA3: field 3 should be the number of the property"},
            {mesh + "CTRIA3,2,7,1,,3\n", "a.bdf:6: CTRIA3: field 5 should be the number of a node"},
-           {mesh + "CQUAD8,2,7,1,2,3,4,1\n", "a.bdf:6: CQUAD8 has mid-side nodes; of second order tetune reads CTETRA"},
+           {mesh + "CQUAD8,2,7,1,2,3,4,1\n", "a.bdf:6: CQUAD8 lacks some of its 4 mid-side nodes"},
            {mesh + "CTETRA,2,7,1,2,3,4,5,6,7,8,9,10\n", "a.bdf:6: this line has more than 8 fields after the first"},
            {mesh + "CTETRA,2,7,1,2,3,4,5,6,+A\n+B,7,8,9,10\n", "a.bdf:7: this line continues a card that ends with +B"},
            {mesh + "CTETRA,2,7,1,2,3,4,5,6,+A\n", "a.bdf:6: the card continues in a line that starts with +A"},

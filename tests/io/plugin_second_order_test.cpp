@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Formats through VTK and Gmsh: second-order elements and their mid-side nodes.
+#include "math/vec3.hpp"
+#include "mesh/tet.hpp"
 #include "plugin_fixture.hpp"
 
 namespace tetune::test {
@@ -75,6 +77,91 @@ TEST_F(Plugins, ElementsOfOtherKindsBehindMidSideNodesKeepTheirVertices) {
   ASSERT_EQ(nastran.others.size(), 1U);
   EXPECT_EQ(nastran.others[0].element2vertex, (std::vector<Index>{4, 5, 6, 7}));
   EXPECT_EQ(nastran.points, m.points);
+}
+
+/// A cell alone in a file of VTK, with a node beside the midpoint of the edge `bent` of its list.
+std::string cell_in_vtk(int type, std::size_t vertices, const std::vector<std::array<std::size_t, 2>>& edges,
+                        std::size_t bent) {
+  std::vector<Point3> points;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    points.push_back({double(v) + 0.25 * double(v * v), double(v % 3), double(v % 2) + 0.5 * double(v)});
+  }
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    points.push_back(tetune::midpoint(points[edges[e][0]], points[edges[e][1]]));
+    if (e == bent) points.back()[2] += 0.5;
+  }
+  const std::string n = std::to_string(points.size());
+  std::string text = "# vtk DataFile Version 2.0\na cell\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS " + n + " double\n";
+  for (const Point3& p : points) {
+    text += std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
+  }
+  text += "CELLS 1 " + std::to_string(points.size() + 1) + "\n" + n;
+  for (std::size_t i = 0; i < points.size(); ++i) text += " " + std::to_string(i);
+  return text + "\nCELL_TYPES 1\n" + std::to_string(type) + "\n";
+}
+
+TEST_F(Plugins, OtherCellsOfSecondOrderHaveTheirNodesInTheOrderOfVtk) {
+  struct Cell {
+    int type;
+    std::string kind;
+    std::size_t vertices;
+    std::vector<std::array<std::size_t, 2>> edges;
+  };
+  const std::vector<Cell> cells{
+      {23, "Quadrilaterals", 4, {{0, 1}, {1, 2}, {2, 3}, {3, 0}}},
+      {27, "Pyramids", 5, {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}},
+      {26, "Prisms", 6, {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}},
+      {25,
+       "Hexahedra",
+       8,
+       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}}};
+  for (const Cell& cell : cells) {
+    SCOPED_TRACE(cell.kind);
+    for (std::size_t bent = 0; bent < cell.edges.size(); ++bent) {
+      const std::string text = cell_in_vtk(cell.type, cell.vertices, cell.edges, bent);
+      TetMesh m = read_mesh(put("a.vtk", text), nullptr, 1);
+      ASSERT_EQ(m.others.size(), 1U);
+      EXPECT_EQ(m.others[0].kind, cell.kind);
+      EXPECT_TRUE(m.others[0].second_order);
+      ASSERT_EQ(m.points.size(), cell.vertices);
+      ASSERT_EQ(m.curved_edges.size(), 1U);
+      const auto ends = ascending(Index(cell.edges[bent][0]), Index(cell.edges[bent][1]));
+      EXPECT_EQ(m.curved_edges[0].vertices, ends);
+      if (bent > 0) continue;
+      if (cell.type == 23) m.others[0].required = {0};
+      m.others[0].tags = {7};
+      for (const std::string name : {"a.vtu", "b.vtk", "a.e"}) {
+        write_mesh(path(name), m, 1);
+        const TetMesh back = read_mesh(path(name), nullptr, 1);
+        EXPECT_EQ(back.points, m.points);
+        EXPECT_EQ(back.curved_edges, m.curved_edges);
+        ASSERT_EQ(back.others.size(), 1U);
+        EXPECT_TRUE(back.others[0].second_order);
+        EXPECT_EQ(back.others[0].element2vertex, m.others[0].element2vertex);
+        EXPECT_EQ(back.others[0].tags, m.others[0].tags);
+        EXPECT_EQ(back.others[0].required, name == "a.e" ? std::vector<Index>() : m.others[0].required);
+      }
+    }
+  }
+  const std::string error = read_error(put("a.vtk", cell_in_vtk(28, 9, {}, 9)));
+  EXPECT_TRUE(contains(error, "cell 0 is of VTK's type 28")) << error;
+  EXPECT_TRUE(contains(error, "elements with nodes in the middles of faces are not read")) << error;
+}
+
+TEST_F(Plugins, QuadrilateralsOfBothOrdersKeepTheirLists) {
+  TetMesh m = cube(2);
+  m.second_order = true;
+  m.others = {{"Quadrilaterals", 4, {0, 1, 4, 3, 1, 2, 5, 4}, {1, 2}, {1}},
+              {"Quadrilaterals", 4, {9, 10, 13, 12, 10, 11, 14, 13}, {3, 4}, {0}, {}, true}};
+  write_mesh(path("a.vtu"), m, 1);
+  const TetMesh back = read_mesh(path("a.vtu"), nullptr, 1);
+  ASSERT_EQ(back.others.size(), 2U);
+  for (std::size_t b = 0; b < 2; ++b) {
+    EXPECT_EQ(back.others[b].element2vertex, m.others[b].element2vertex);
+    EXPECT_EQ(back.others[b].tags, m.others[b].tags);
+    EXPECT_EQ(back.others[b].required, m.others[b].required);
+    EXPECT_EQ(back.others[b].second_order, m.others[b].second_order);
+  }
 }
 
 TEST_F(Plugins, SetsOfNodesHoldMidSideNodesBetweenMembers) {

@@ -246,6 +246,18 @@ TEST(UntangleCurved, FoldedSurfaceIsStraightenedWhereAsked) {
   TetMesh frozen = before;
   EXPECT_THROW(optimize(frozen, options), MeshError);
   EXPECT_EQ(frozen.curved_edges, before.curved_edges);
+
+  // Nor do mid-side nodes of other elements move.
+  options.frozen_regions.clear();
+  TetMesh beside = before;
+  const auto& [a, b] = before.curved_edges[3].vertices;
+  beside.points.insert(beside.points.end(), {{9, 0, 0}, {9, 1, 0}});
+  beside.point_tags.resize(beside.points.size(), 0);
+  const Index last = static_cast<Index>(beside.points.size()) - 1;
+  beside.others = {{"Quadrilaterals", 4, {a, b, last, last - 1}, {0}, {}, {}, true}};
+  const TetMesh held = beside;
+  EXPECT_THROW(optimize(beside, options), MeshError);
+  EXPECT_EQ(beside.curved_edges, held.curved_edges);
 }
 
 }  // namespace

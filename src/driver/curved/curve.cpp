@@ -14,6 +14,7 @@
 #include "driver/curved/curved_skeleton.hpp"
 #include "driver/curved/straighten.hpp"
 #include "driver/geometry/geometry_middles.hpp"
+#include "mesh/element_kinds.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "phases/progress/latched_hooks.hpp"
 #include "system/real_text.hpp"
@@ -139,8 +140,10 @@ CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
   }
   for (const ElementBlock& block : mesh.others) {
     if (block.kind == kPoints) continue;
-    throw MeshError("the mesh has " + block.kind + ", which would stay linear beside second-order tetrahedra; " +
-                    "take them out, or make second-order elements in the program that made the mesh");
+    throw MeshError("the mesh has " + block.kind + ", which " +
+                    (has_middles(mesh, block) ? "would not follow a curved surface"
+                                              : "would stay linear beside second-order tetrahedra") +
+                    "; take them out, or make second-order elements in the program that made the mesh");
   }
   TetMesh curved = mesh;
   if (curved.deck != nullptr) curved.deck_nodes.clear();

@@ -11,6 +11,7 @@
 #include "boundary/vertex_dof.hpp"
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_slide.hpp"
+#include "mesh/element_kinds.hpp"
 #include "mesh/id_maps.hpp"
 #include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
@@ -141,6 +142,7 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options) {
     for (const auto& [i, j] : kSides) held.edges.push_back(ascending(t[i], t[j]));
   });
   for (const Edge& e : mesh.edges) held.edges.push_back(ascending(e[0], e[1]));
+  for_each_other_middle(mesh, [&held](Index a, Index b) { held.edges.push_back(ascending(a, b)); });
   for (const Index t : constraints.locked_tets) {
     const auto& tet = span_of(mesh.tets)[t];
     for (const auto& [i, j] : kCurvedTetEdges) held.edges.push_back(ascending(tet[i], tet[j]));
@@ -254,6 +256,7 @@ void CurvedSkeleton::restore_curved_edges(const Report& report) {
   add(mesh.tets);
   add(mesh.triangles);
   add(mesh.edges);
+  for_each_other_middle(mesh, [&edges](Index a, Index b) { edges.insert(ascending(a, b)); });
   const auto vertices_now = [&](const CurvedEdge& edge) {
     return Edge{span_of(old2new)[edge.vertices[0]], span_of(old2new)[edge.vertices[1]]};
   };

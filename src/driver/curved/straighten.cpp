@@ -9,6 +9,7 @@
 #include "boundary/constraints.hpp"
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_skeleton.hpp"
+#include "mesh/element_kinds.hpp"
 #include "mesh/sorted.hpp"
 
 namespace tetune {
@@ -37,7 +38,7 @@ std::set<Edge> edges_of(const TetMesh& mesh, const std::vector<Index>& tets) {
   return edges;
 }
 
-/// The held curved edges, except those of frozen regions and patches and of required elements.
+/// The held curved edges, except those of frozen regions and patches, of required elements and of other kinds.
 std::vector<CurvedEdge> reducible_edges(const TetMesh& mesh, const HeldNodes& held, const Options& options) {
   std::set<Edge> frozen = edges_of(mesh, find_constraints(mesh, options).locked_tets);
   const auto freeze = [&frozen, &mesh](Index triangle) {
@@ -52,6 +53,7 @@ std::vector<CurvedEdge> reducible_edges(const TetMesh& mesh, const HeldNodes& he
   for (const Index e : mesh.required_edges) {
     frozen.insert(ascending(span_of(mesh.edges)[e][0], span_of(mesh.edges)[e][1]));
   }
+  for_each_other_middle(mesh, [&frozen](Index a, Index b) { frozen.insert(ascending(a, b)); });
   std::vector<CurvedEdge> edges;
   for (const CurvedEdge& e : mesh.curved_edges) {
     if (held.has_edge(e.vertices[0], e.vertices[1]) && !frozen.contains(e.vertices)) edges.push_back(e);

@@ -152,7 +152,7 @@ void read_inp_face_line(InpCursor& cursor, const InpCardKind& kind, InpScan& sca
   InpFaceCard& card = scan.model.face_cards.back();
   const std::string_view place = fields.size() < 2 ? std::string_view() : fields[1];
   const std::size_t digit = place.find_first_of("0123456789");
-  if (!is_face_place(place, digit)) {
+  if (!is_face_place(place, digit) || fields[0].empty()) {
     note_inp_data(fields, kind, scan);
     lines.push_back({-1, 0, {}, whole});
     return;

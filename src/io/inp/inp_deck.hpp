@@ -160,9 +160,10 @@ struct InpModel {
 
   std::vector<Index> tet2element;
   std::vector<std::array<Index, 4>> tets;  ///< nodes, as listed
-  /// The edges of second-order tetrahedra by their nodes, ascending, with their mid-side nodes.
+  /// The edges of second-order elements by their nodes, ascending, with their mid-side nodes.
   std::vector<std::pair<std::array<Index, 2>, Index>> middles;
-  std::vector<Index> held_middles;  ///< mid-side nodes that other cards name and no set can follow
+  std::vector<Index> fixed_middles;  ///< those of elements of other kinds, ascending
+  std::vector<Index> held_middles;   ///< mid-side nodes that other cards name and no set can follow
   bool is_second_order = false, is_straight = false;
   std::vector<const char*> tet_lines;
   std::vector<Index> tet2card;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 
 #include "io/plain_text.hpp"
 #include "system/real_text.hpp"
@@ -118,61 +117,75 @@ bool parse_inp_integer(std::string_view field, std::int64_t& value) {
   return error == std::errc() && stop == field.data() + field.size();
 }
 
+namespace {
+
+using InpRole = InpElementType::Role;
+
+struct InpTypeEntry {
+  const char* name;
+  InpElementType type;
+};
+
+/// Solids, after the letters of their family. The digits of a name end where another character follows. Longer names
+/// come first.
+constexpr std::array<InpTypeEntry, 9> kInpSolidTypes{{
+    {"3D10", {InpRole::quadratic_tetrahedron, 10}},
+    {"3D20", {InpRole::block, 20, "Hexahedra"}},
+    {"3D15V", {InpRole::unknown, 15}},  // and possibly nodes in the middles of faces
+    {"3D15", {InpRole::block, 15, "Prisms"}},
+    {"3D27", {InpRole::unknown, 27}},
+    {"3D4", {InpRole::tetrahedron, 4}},
+    {"3D5", {InpRole::block, 5, "Pyramids"}},
+    {"3D6", {InpRole::block, 6, "Prisms"}},
+    {"3D8", {InpRole::block, 8, "Hexahedra"}},
+}};
+constexpr std::array<InpTypeEntry, 28> kInpOtherTypes{{
+    {"STRI3", {InpRole::triangle, 3}},
+    {"S3", {InpRole::triangle, 3}},
+    {"DS3", {InpRole::triangle, 3}},
+    {"M3D3", {InpRole::triangle, 3}},
+    {"R3D3", {InpRole::triangle, 3}},
+    {"SFM3D3", {InpRole::triangle, 3}},
+    {"CPS3", {InpRole::triangle, 3}},
+    {"CPE3", {InpRole::triangle, 3}},
+    {"S4", {InpRole::block, 4, "Quadrilaterals"}},
+    {"DS4", {InpRole::block, 4, "Quadrilaterals"}},
+    {"M3D4", {InpRole::block, 4, "Quadrilaterals"}},
+    {"R3D4", {InpRole::block, 4, "Quadrilaterals"}},
+    {"SFM3D4", {InpRole::block, 4, "Quadrilaterals"}},
+    {"CPS4", {InpRole::block, 4, "Quadrilaterals"}},
+    {"CPE4", {InpRole::block, 4, "Quadrilaterals"}},
+    {"S8", {InpRole::block, 8, "Quadrilaterals"}},
+    {"DS8", {InpRole::block, 8, "Quadrilaterals"}},
+    {"M3D8", {InpRole::block, 8, "Quadrilaterals"}},
+    {"SFM3D8", {InpRole::block, 8, "Quadrilaterals"}},
+    {"CPS8", {InpRole::block, 8, "Quadrilaterals"}},
+    {"CPE8", {InpRole::block, 8, "Quadrilaterals"}},
+    {"SC8", {InpRole::block, 8, "Hexahedra"}},
+    {"CSS8", {InpRole::block, 8, "Hexahedra"}},
+    {"SC6", {InpRole::block, 6, "Prisms"}},
+    {"B31", {InpRole::edge, 2}},
+    {"T3D2", {InpRole::edge, 2}},
+    {"RB3D2", {InpRole::edge, 2}},
+    {"S6", {InpRole::unknown, 6}},
+}};
+
+/// Whether a type is this name, with any characters but digits after it.
+bool is_inp_type(std::string_view type, std::string_view name) {
+  return type.starts_with(name) && (type.size() == name.size() || type[name.size()] < '0' || type[name.size()] > '9');
+}
+
+}  // namespace
+
 InpElementType inp_element_type(const std::string& type) {
-  using Role = InpElementType::Role;
-  struct Entry {
-    const char* name;
-    InpElementType type;
-  };
-  // The digits of a name end where another character follows. Longer names come first.
-  static const std::vector<Entry> kTypes{
-      {"3D10", {Role::quadratic_tetrahedron, 10}},
-      {"3D20", {Role::unknown, 20}},
-      {"3D15", {Role::unknown, 15}},
-      {"3D27", {Role::unknown, 27}},
-      {"3D4", {Role::tetrahedron, 4}},
-      {"3D5", {Role::block, 5, "Pyramids"}},
-      {"3D6", {Role::block, 6, "Prisms"}},
-      {"3D8", {Role::block, 8, "Hexahedra"}},
-  };
   // The solid families: structural, thermal, acoustic, fluid, coupled and electromagnetic elements.
   for (const char* family : {"C", "DC", "AC", "F", "FC", "DCC", "Q", "EMC"}) {
-    for (const Entry& entry : kTypes) {
-      const std::string start = std::string(family) + entry.name;
-      const bool matches = type.starts_with(start);
-      if (matches && (type.size() == start.size() || type[start.size()] < '0' || type[start.size()] > '9')) {
-        return entry.type;
-      }
+    for (const InpTypeEntry& entry : kInpSolidTypes) {
+      if (is_inp_type(type, std::string(family) + entry.name)) return entry.type;
     }
   }
-  static const std::vector<Entry> kOthers{
-      {"STRI3", {Role::triangle, 3}},
-      {"S3", {Role::triangle, 3}},
-      {"DS3", {Role::triangle, 3}},
-      {"M3D3", {Role::triangle, 3}},
-      {"R3D3", {Role::triangle, 3}},
-      {"SFM3D3", {Role::triangle, 3}},
-      {"CPS3", {Role::triangle, 3}},
-      {"CPE3", {Role::triangle, 3}},
-      {"S4", {Role::block, 4, "Quadrilaterals"}},
-      {"DS4", {Role::block, 4, "Quadrilaterals"}},
-      {"M3D4", {Role::block, 4, "Quadrilaterals"}},
-      {"R3D4", {Role::block, 4, "Quadrilaterals"}},
-      {"SFM3D4", {Role::block, 4, "Quadrilaterals"}},
-      {"CPS4", {Role::block, 4, "Quadrilaterals"}},
-      {"CPE4", {Role::block, 4, "Quadrilaterals"}},
-      {"SC8", {Role::block, 8, "Hexahedra"}},
-      {"CSS8", {Role::block, 8, "Hexahedra"}},
-      {"SC6", {Role::block, 6, "Prisms"}},
-      {"B31", {Role::edge, 2}},
-      {"T3D2", {Role::edge, 2}},
-      {"RB3D2", {Role::edge, 2}},
-      {"S8", {Role::unknown, 8}},
-      {"S6", {Role::unknown, 6}},
-  };
-  for (const Entry& entry : kOthers) {
-    const std::size_t n = std::strlen(entry.name);
-    if (type.starts_with(entry.name) && (type.size() == n || type[n] < '0' || type[n] > '9')) return entry.type;
+  for (const InpTypeEntry& entry : kInpOtherTypes) {
+    if (is_inp_type(type, entry.name)) return entry.type;
   }
   return {};
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/element_kinds.hpp"
 #include "mesh/sorted.hpp"
 #include "tetune/mesh.hpp"
 
@@ -46,6 +47,9 @@ struct InpElementType {
   int nodes = 0;
   /// ElementBlock::kind.
   const char* kind = nullptr;
+
+  /// Whether an element of a block has mid-side nodes; they follow the vertices.
+  bool has_middles() const { return role == Role::block && nodes > find_element_kind(kind)->vertices; }
 };
 InpElementType inp_element_type(const std::string& type);
 

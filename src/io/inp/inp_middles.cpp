@@ -58,6 +58,7 @@ void find_held(InpModel& model, const TetMesh& mesh, const std::vector<std::uint
                         std::back_inserter(model.held_middles));
   }
   sort_unique(model.held_middles);
+  erase_listed(model.held_middles, model.fixed_middles);
 }
 
 }  // namespace
@@ -125,6 +126,7 @@ void erase_inp_middles(InpModel& model, TetMesh& mesh, const std::string& path) 
     if (is_middle[v] == 0) labels.push_back(model.node_labels[v]);
   }
   mesh.deck_nodes = std::move(labels);
+  mesh.second_order = true;
   erase_middles(middles, mesh);
   model.is_straight = mesh.curved_edges.empty();
 }
@@ -133,31 +135,33 @@ Middles add_inp_middles(const InpModel& model, TetMesh& mesh) {
   TetMesh bare;
   bare.points = mesh.points;
   bare.tets = mesh.tets;
+  bare.others = mesh.others;
+  bare.second_order = true;
   bare.curved_edges = mesh.curved_edges;
   Middles middles(bare);
   std::vector<Index> nodes;
   for (const std::int64_t label : mesh.deck_nodes) nodes.push_back(label == 0 ? -1 : model.node(label));
   mesh.deck_nodes.resize(bare.points.size(), 0);
   std::vector<Index> node2vertex(model.points.size(), -1);
-  for (const auto& tet : mesh.tets) {
-    for (const auto& [i, j] : kTetEdges) {
-      const Index a = tet[to_size_t(i)];
-      const Index b = tet[to_size_t(j)];
-      const Index p = span_of(nodes)[a];
-      const Index q = span_of(nodes)[b];
-      const auto ends = ascending(p, q);
-      const auto at = std::lower_bound(model.middles.begin(), model.middles.end(), std::pair{ends, Index{0}});
-      if (p < 0 || q < 0 || at == model.middles.end() || at->first != ends) continue;
-      const Index v = middles.of(a, b);
-      span_of(node2vertex)[at->second] = v;
-      span_of(mesh.deck_nodes)[v] = span_of(model.node_labels)[at->second];
-      const bool is_still =
-          span_of(model.points)[p] == span_of(mesh.points)[a] && span_of(model.points)[q] == span_of(mesh.points)[b];
-      if (model.is_straight && mesh.curved_edges.empty() && is_still) {
-        span_of(bare.points)[v] = span_of(model.points)[at->second];  // as it was, but for rounding
-      }
+  const auto match = [&](Index a, Index b) {
+    const Index p = span_of(nodes)[a];
+    const Index q = span_of(nodes)[b];
+    const auto ends = ascending(p, q);
+    const auto at = std::lower_bound(model.middles.begin(), model.middles.end(), std::pair{ends, Index{0}});
+    if (p < 0 || q < 0 || at == model.middles.end() || at->first != ends) return;
+    const Index v = middles.of(a, b);
+    span_of(node2vertex)[at->second] = v;
+    span_of(mesh.deck_nodes)[v] = span_of(model.node_labels)[at->second];
+    const bool is_still =
+        span_of(model.points)[p] == span_of(mesh.points)[a] && span_of(model.points)[q] == span_of(mesh.points)[b];
+    if (model.is_straight && mesh.curved_edges.empty() && is_still) {
+      span_of(bare.points)[v] = span_of(model.points)[at->second];  // as it was, but for rounding
     }
+  };
+  for (const auto& tet : mesh.tets) {
+    for (const auto& [i, j] : kTetEdges) match(tet[to_size_t(i)], tet[to_size_t(j)]);
   }
+  for_each_other_middle(bare, match);
   mesh.points = std::move(bare.points);
   for (const Index node : model.held_middles) {
     if (span_of(node2vertex)[node] >= 0) continue;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "io/combinations.hpp"
+#include "io/element_blocks.hpp"
 #include "io/inp/inp_scan.hpp"
 #include "io/inp/inp_tags.hpp"
 
@@ -68,7 +69,7 @@ class InpRegions {
   }
 
  private:
-  static bool is_solid(const InpElementType& type) { return type.nodes != 4; }
+  static bool is_solid(const InpElementType& type) { return find_element_kind(type.kind)->dimension == 3; }
 
   void set_tags(const Combinations<Index>& combinations, const std::vector<Index>& combination) {
     std::vector<std::vector<std::string>> names(combinations.size());
@@ -87,12 +88,11 @@ class InpRegions {
     const std::vector<int> quad_tags = number_inp_tags(names, of_quads, "Surface");
     mesh_.tet_tags.reserve(model_.tets.size());
     for (const Index e : model_.tet2element) mesh_.tet_tags.push_back(span_of(tags)[span_of(combination)[e]]);
-    std::map<std::string, std::size_t> next;  // element of each block
+    std::map<const ElementBlock*, std::size_t> next;  // element of each block
     for (const InpOther& other : scan_.others) {
       if (other.type.role != InpElementType::Role::block) continue;
-      const auto block = std::find_if(mesh_.others.begin(), mesh_.others.end(),
-                                      [&other](const ElementBlock& b) { return b.kind == other.type.kind; });
-      block->tags[next[block->kind]++] =
+      ElementBlock& block = element_block(mesh_, other.type.kind, other.type.nodes, other.type.has_middles());
+      block.tags[next[&block]++] =
           span_of(is_solid(other.type) ? tags : quad_tags)[span_of(combination)[other.element]];
     }
     add_regions(combinations, occurs, tags);

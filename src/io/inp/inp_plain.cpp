@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "io/inp/inp_deck.hpp"
@@ -19,10 +20,13 @@ namespace {
 struct Kind {
   const char* kind;
   const char* type;
+  const char* second_order_type;  ///< null: neither program has one
   int dimension;
 };
-constexpr std::array<Kind, 4> kKinds{
-    {{"Pyramids", "C3D5", 3}, {"Prisms", "C3D6", 3}, {"Hexahedra", "C3D8", 3}, {"Quadrilaterals", "S4", 2}}};
+constexpr std::array<Kind, 4> kKinds{{{"Pyramids", "C3D5", nullptr, 3},
+                                      {"Prisms", "C3D6", "C3D15", 3},
+                                      {"Hexahedra", "C3D8", "C3D20", 3},
+                                      {"Quadrilaterals", "S4", "S8R", 2}}};
 
 /// A face of a tetrahedron in a patch.
 struct PatchFace {
@@ -119,13 +123,22 @@ class InpPlainWriter {
     const auto kind =
         std::find_if(kKinds.begin(), kKinds.end(), [&block](const Kind& k) { return block.kind == k.kind; });
     if (kind == kKinds.end()) throw FileError("a deck has no type for elements of kind " + block.kind);
-    const std::size_t each = to_size_t(block.vertices_per_element);
+    const std::span<const Pair> edges = middle_edges(mesh_, block, MiddleOrder::base_top_between);
+    const char* const type = edges.empty() ? kind->type : kind->second_order_type;
+    if (type == nullptr) {
+      throw FileError("neither Abaqus nor CalculiX has " + block.kind +
+                      " with mid-side nodes; write another format, or elements of first order");
+    }
+    const std::size_t each = to_size_t(block.vertices_per_element) + edges.size();
     for (const auto& [tag, elements] : by_tag(block.tags)) {
-      start_elements(kind->type, kind->dimension, tag);
+      start_elements(type, kind->dimension, tag);
       write_lines(elements.size(), [&, &list = elements](std::string& line, std::size_t i) {
+        constexpr std::size_t kPerLine = 16;  // as both programs read at most
         line += std::to_string(next_element_ + list[i]);
+        std::array<Index, kMaxNodes> nodes{};
+        list_other(block, list[i], middles_, edges, nodes);
         for (std::size_t k = 0; k < each; ++k) {
-          line.append(", ").append(std::to_string(block.element2vertex[list[i] * each + k] + 1));
+          line.append((k + 1) % kPerLine == 0 ? ",\n" : ", ").append(std::to_string(nodes[k] + 1));
         }
       });
     }

@@ -28,7 +28,10 @@ class InpResolver {
     mesh_.point_tags.assign(mesh_.points.size(), 0);
     mesh_.deck_nodes = model_.node_labels;
     resolve_tets();
+    hold_unfit_others(scan_);
     for (const InpOther& other : scan_.others) resolve_other(other);
+    sort_unique(model_.fixed_middles);
+    check_inp_middles(model_, path_);
     resolve_sets();
     resolve_faces();
     resolve_conditions();
@@ -82,7 +85,6 @@ class InpResolver {
     }
     scan_.tet_node_labels = {};
     mesh_.tets = model_.tets;
-    check_inp_middles(model_, path_);
   }
 
   void resolve_other(const InpOther& other) {
@@ -100,11 +102,24 @@ class InpResolver {
       mesh_.edges.push_back({v[0], v[1]});
       mesh_.edge_tags.push_back(0);
     } else if (other.type.role == Role::block) {
-      ElementBlock& block = element_block(mesh_, other.type.kind, other.type.nodes);
-      block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.end());
+      const ElementKind& kind = *find_element_kind(other.type.kind);
+      const bool has_middles = other.type.has_middles();
+      ElementBlock& block = element_block(mesh_, kind.name, kind.vertices, has_middles);
+      block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
       block.tags.push_back(0);
+      if (has_middles) add_middles_of(kind, v);
     } else {
       mesh_.required_vertices.insert(mesh_.required_vertices.end(), v.begin(), v.end());
+    }
+  }
+
+  void add_middles_of(const ElementKind& kind, const std::vector<Index>& nodes) {
+    model_.is_second_order = true;
+    std::vector<Middle> middles;
+    add_middles(nodes, kind.edges, middles);
+    for (const Middle& m : middles) {
+      model_.middles.emplace_back(ascending(m.ends[0], m.ends[1]), m.node);
+      model_.fixed_middles.push_back(m.node);
     }
   }
 

@@ -69,6 +69,10 @@ InpScan scan_inp(const std::string& path, std::string bytes);
 /// Throws FileError if a text without nodes is one of ANSYS's commands, whose files have the same ending.
 void refuse_ansys_deck(const std::string& path, std::string_view text);
 
+/// Makes elements of second order, but for tetrahedra, elements of unknown types, whose nodes are held, where the mesh
+/// cannot have them: beside tetrahedra of first order, or where a mid-side node has another part.
+void hold_unfit_others(InpScan& scan);
+
 /// Finds the entities that the numbers and names refer to, and fills the model and the mesh but for tags.
 void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const IoContext& context);
 

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "backend/cpu.hpp"
+#include "io/element_blocks.hpp"
 #include "io/line_writer.hpp"
 #include "io/losses.hpp"
 #include "io/medit/medit_codec.hpp"
@@ -146,7 +147,8 @@ void write_sections(Writer& out, const TetMesh& mesh) {
   } else {
     write_elements(out, kMeditTetrahedra, flat(mesh.tets), mesh.tet_tags);
   }
-  for (const ElementBlock& block : mesh.others) {
+  std::vector<ElementBlock> joined;
+  for (const ElementBlock& block : blocks_by_kind(mesh, joined)) {
     if (is_points(block)) continue;
     write_elements(out, section_of(block), block.element2vertex.data(), block.tags);
     if (block.kind == kMeditOthers[0].name) write_ids(out, kMeditRequiredQuadrilaterals, block.required);

@@ -32,10 +32,9 @@ std::vector<MshKind> kinds_of(const TetMesh& mesh) {
                              kind_of(kMshTriangles, mesh.triangles, mesh.triangle_tags, mesh.triangle_data),
                              kind_of(kMshEdges, mesh.edges, mesh.edge_tags, mesh.edge_data)};
   for (const ElementBlock& block : mesh.others) {
-    const auto type = std::find_if(kMshTypes.begin(), kMshTypes.end(),
-                                   [&block](const MshType& t) { return *t.kind != 0 && block.kind == t.kind; });
-    if (type == kMshTypes.end()) throw FileError("Gmsh has no elements of kind " + block.kind);
-    kinds.push_back({&*type, block.element2vertex.data(), &block.tags, &block.data});
+    const std::size_t list = list_of(mesh, block);
+    if (list == kOtherLists) throw FileError("Gmsh has no elements of kind " + block.kind);
+    kinds.push_back({&msh_type_of(kMshFirstOther + list), block.element2vertex.data(), &block.tags, &block.data});
   }
   std::erase_if(kinds, [](const MshKind& kind) { return kind.size() == 0; });
   std::stable_sort(kinds.begin(), kinds.end(),

@@ -63,6 +63,7 @@ struct MshModel {
   std::vector<PeriodicLink> periodic;
   std::vector<MshView> views;
   std::vector<Middle> middles;
+  bool has_second_order_simplices = false;
 };
 
 /// Gives names without a dimension those of the elements in groups of their number.

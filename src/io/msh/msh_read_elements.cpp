@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 
 #include "mesh/sorted.hpp"
@@ -13,6 +15,12 @@ void normalize(std::vector<int>& groups) {
   for (int& group : groups) group = std::abs(group);
   sort_unique(groups);
   std::erase(groups, 0);
+}
+
+/// Whether a type is a quadrilateral, pyramid, prism or hexahedron with nodes in the middles of faces.
+bool has_nodes_on_faces(int type) {
+  constexpr std::array<int, 4> kTypes{10, 12, 13, 14};
+  return std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end();
 }
 
 }  // namespace
@@ -127,10 +135,12 @@ void MshElementReader::read_blocks() {
 
 const MshType& MshElementReader::type_of(int number, std::int64_t element) {
   if (const MshType* type = find_msh_type(number)) return *type;
-  source_.fail((element < 0 ? "there are elements" : "element " + std::to_string(element) + " is") + " of type " +
-               std::to_string(number) +
-               ", which tetune does not read; it reads tetrahedra, triangles and lines of first or second order; "
-               "points, quadrilaterals, pyramids, prisms and hexahedra of first order");
+  const std::string found = (element < 0 ? "there are elements" : "element " + std::to_string(element) + " is") +
+                            " of type " + std::to_string(number);
+  if (has_nodes_on_faces(number)) source_.fail(found + ": " + kNodesOnFaces);
+  source_.fail(found +
+               ", which tetune does not read; it reads points, and lines, triangles, tetrahedra, "
+               "quadrilaterals, pyramids, prisms and hexahedra of first or second order");
 }
 
 void MshElementReader::reserve(const MshType& type, std::size_t n) {
@@ -151,11 +161,10 @@ void MshElementReader::add_element(const MshType& type, Index cell, std::int64_t
   };
   const std::size_t first = list.corners.size();
   for (int k = 0; k < type.corners; ++k) list.corners.push_back(node());
-  if (type.nodes > type.corners) {
-    for_each_msh_middle(type.list, [&](std::size_t a, std::size_t b) {
-      model_.middles.push_back({node(), {list.corners[first + a], list.corners[first + b]}});
-    });
+  for (const auto& [a, b] : msh_middle_edges(type)) {
+    model_.middles.push_back({node(), {list.corners[first + to_size_t(a)], list.corners[first + to_size_t(b)]}});
   }
+  if (type.nodes > type.corners && type.list < kMshFirstOther) model_.has_second_order_simplices = true;
   list.cell.push_back(cell);
   list.number.push_back(number);
   if ((list.cell.size() & 0xffffU) != 0) return;

@@ -111,13 +111,12 @@ class Builder {
     mesh_.points = std::move(model_.points);
     mesh_.point_tags.assign(mesh_.points.size(), 0);
     mesh_.periodic = std::move(model_.periodic);
-    for (std::size_t list = kMshFirstOther; list < kMshLists; ++list) {
-      mesh_.others.push_back({msh_type_of(list).kind, msh_type_of(list).corners, {}, {}, {}});
-    }
+    mesh_.others = blocks_of_lists();
     set_tags();
     set_elements();
     add_views();
     std::erase_if(mesh_.others, [](const ElementBlock& block) { return block.tags.empty(); });
+    mesh_.second_order = model_.has_second_order_simplices;
     if (const std::string warning = erase_middles(model_.middles, mesh_); !warning.empty()) context_.warn(warning);
     return std::move(mesh_);
   }

@@ -105,12 +105,13 @@ class MshWriter {
     std::copy_n(kind.corners(element), kind.type->corners, v.begin());
     if (mesh_.listed_inside_out && kind.type->list == kMshTets) std::swap(v[2], v[3]);
     for (int k = 0; k < kind.type->corners; ++k) take(v[to_size_t(k)]);
-    if (middles_ == nullptr) return;
-    for_each_msh_middle(kind.type->list, [&](std::size_t a, std::size_t b) { take(middles_->of(v[a], v[b])); });
+    for (const auto& [a, b] : msh_middle_edges(written_type(kind))) {
+      take(middles_->of(v[to_size_t(a)], v[to_size_t(b)]));
+    }
   }
-  int type_number(const MshKind& kind) const {
+  const MshType& written_type(const MshKind& kind) const {
     const bool second = middles_ != nullptr && kind.type->list < kMshFirstOther;
-    return (second ? msh_second_order_type_of(kind.type->list) : *kind.type).number;
+    return second ? msh_second_order_type_of(kind.type->list) : *kind.type;
   }
 
   /// The vertices by entity: that of the lowest dimension that has the vertex in an element or a periodic pair; the
@@ -193,7 +194,7 @@ class MshWriter {
   void write_block(const MshKind& kind, const MshLayoutEntity& entity, const std::vector<Index>& elements) {
     sink_.integer(entity.dimension);
     sink_.integer(entity.number);
-    sink_.integer(type_number(kind));
+    sink_.integer(written_type(kind).number);
     sink_.count(elements.size());
     sink_.end_line();
     for (const Index e : elements) {
@@ -237,7 +238,7 @@ class MshWriter {
     for (std::size_t k = 0; k < counts.size(); ++k) {
       const MshKind& kind = layout_.kinds[k];
       if (sink_.is_binary()) {
-        for (const int word : {type_number(kind), to_index(counts[k]), 2}) sink_.integer(word);
+        for (const int word : {written_type(kind).number, to_index(counts[k]), 2}) sink_.integer(word);
       }
       for (std::size_t e = 0; e < kind.size(); ++e) {
         // The first keeps the number, to which data refer.
@@ -254,7 +255,7 @@ class MshWriter {
   void write_old_element(const MshKind& kind, std::size_t element, int number, int group) {
     sink_.integer(number);
     if (!sink_.is_binary()) {
-      sink_.integer(type_number(kind));
+      sink_.integer(written_type(kind).number);
       sink_.integer(2);
     }
     sink_.integer(group);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -81,9 +82,6 @@ class NastranReader {
 
  private:
   using Role = NastranElementKind::Role;
-  /// The largest number of nodes of an element that is read, a CTETRA.
-  static constexpr std::size_t kMaxNodes = 10;
-
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
 
   void take(const NastranCard& card) {
@@ -156,17 +154,17 @@ class NastranReader {
     const int number = positive(card, 0, "the number of the element");
     const int property = card.field(1).empty() ? 0 : positive(card, 1, "the number of the property");
     ++(property == 0 ? without_property_ : with_property_)[kind.dimension()];
-    std::uint8_t nodes = kind.vertices;
+    std::uint8_t middles = 0;
     for (std::uint8_t k = 0; k < kind.nodes; ++k) {
       const std::string_view field = card.field(2U + k);
       // Mid-side nodes may be left out.
       const bool is_absent = k >= kind.vertices && (field.empty() || field == "0");
       element_nodes_.push_back(is_absent ? 0 : positive(card, 2U + k, "the number of a node"));
-      if (is_absent || k < kind.vertices) continue;
-      if (kind.role == Role::other) refuse_order(card);
-      nodes = kind.nodes;
+      if (!is_absent && k >= kind.vertices) ++middles;
     }
+    const std::uint8_t nodes = middles == 0 ? kind.vertices : kind.nodes;
     element_nodes_.resize(element_nodes_.size() - kind.nodes + nodes);
+    if (kind.role == Role::other && kind.vertices + middles != nodes) refuse_partial(card, kind);
     if (card.marker.size() > 1 && (card.marker[0] == '+' || card.marker[0] == '*')) {
       cards_.fail(card.place, "the card continues in a line that starts with " + nastran_shown(card.marker) +
                                   ", which does not follow; put it below its card");
@@ -175,10 +173,11 @@ class NastranReader {
     if (kind.card == "CBAR" || kind.card == "CBEAM") bars_.insert(card.name);
     note_rest(card, 2U + kind.nodes);
   }
-  [[noreturn]] void refuse_order(const NastranCard& card) const {
-    cards_.fail(card.place, card.name +
-                                " has mid-side nodes; of second order tetune reads CTETRA and CTRIA6 alone. Write the "
-                                "other elements without mid-side nodes");
+  /// Such elements do not change, and would get the nodes that they lack on writing.
+  [[noreturn]] void refuse_partial(const NastranCard& card, const NastranElementKind& kind) const {
+    cards_.fail(card.place, card.name + " lacks some of its " + std::to_string(kind.nodes - kind.vertices) +
+                                " mid-side nodes; of these tetune reads all or none. Give this element all of them, "
+                                "or none");
   }
   /// Lists the card if it has fields that are not kept.
   void note_rest(const NastranCard& card, std::size_t from) {
@@ -232,11 +231,11 @@ class NastranReader {
       case Role::tetrahedron:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         mesh_.tet_tags.push_back(tag);
-        return add_middles(v, 4, kTetEdges);
+        return add_simplex_middles(v, 4, kTetEdges);
       case Role::triangle:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         mesh_.triangle_tags.push_back(tag);
-        return add_middles(v, 3, kTriangleEdges);
+        return add_simplex_middles(v, 3, kTriangleEdges);
       case Role::edge:
         mesh_.edges.push_back({v[0], v[1]});
         mesh_.edge_tags.push_back(tag);
@@ -244,19 +243,21 @@ class NastranReader {
       case Role::other:
         break;
     }
-    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices);
+    const bool is_quadratic = element.nodes > kind.vertices;
+    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices, is_quadratic);
     block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
     block.tags.push_back(tag);
+    if (!is_quadratic) return;
+    add_middles(std::span(v).first(kind.nodes), edges_of_kind(kind.block, MiddleOrder::base_between_top), middles_);
   }
-  template <std::size_t N>
-  void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
-    bool is_partial = false;
-    for (std::size_t e = 0; e < N; ++e) {
-      const Index node = v[vertices + e];
-      is_partial = is_partial || node < 0;
-      if (node >= 0) middles_.push_back({node, {v[to_size_t(edges[e][0])], v[to_size_t(edges[e][1])]}});
-    }
-    if (is_partial) ++partial_;
+  /// Adds the mid-side nodes of a simplex, of which some may be left out.
+  void add_simplex_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, std::span<const Pair> edges) {
+    const std::size_t before = middles_.size();
+    add_middles(std::span(v).first(vertices + edges.size()), edges, middles_);
+    const auto added = middles_.begin() + std::ptrdiff_t(before);
+    middles_.erase(std::remove_if(added, middles_.end(), [](const Middle& m) { return m.node < 0; }), middles_.end());
+    if (middles_.size() < before + edges.size()) ++partial_;
+    if (middles_.size() > before) mesh_.second_order = true;
   }
 
   /// Keeps the numbers of vertices, and refuses mid-side nodes that are vertices of other elements.
@@ -271,7 +272,7 @@ class NastranReader {
           if (span_of(is_middle)[vertex(element, number)] == 0) continue;
           cards_.fail(element.place, "node " + std::to_string(number) +
                                          " is a vertex of this element and in the middle of an edge of another one; "
-                                         "give all tetrahedra the same order");
+                                         "give all elements the same order");
         }
         node += element.nodes;
       }

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "io/line_writer.hpp"
@@ -119,7 +120,7 @@ class NastranWriter {
                    const NodesOf& nodes_of) {
     const std::map<int, int>& tag2number = properties_[dimension];
     write_records(file_, cpu_, tags.size(), [&](std::string& text, std::size_t e) {
-      std::array<Index, kMaxSimplexNodes> nodes;
+      std::array<Index, kMaxNodes> nodes;
       nodes_of(e, nodes);
       append_card(text, card, tag2number.at(tags[e]), next_element_ + std::int64_t(e), nodes.data(), n);
     });
@@ -133,17 +134,16 @@ class NastranWriter {
   void write_simplices(std::string_view card, std::size_t dimension, const std::vector<std::array<Index, N>>& elements,
                        const std::vector<int>& tags, const std::array<Pair, E>& edges) {
     const std::size_t n = N + (middles_ != nullptr ? E : 0);
-    write_cards(card, dimension, n, tags, [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
+    write_cards(card, dimension, n, tags, [&](std::size_t e, std::array<Index, kMaxNodes>& nodes) {
       list_simplex(mesh_, elements[e], middles_, edges, nodes);
     });
   }
 
   void write_elements(const NastranElementKind& kind) {
     if (kind.card == "CROD") {
-      return write_cards(kind.card, 1, 2, mesh_.edge_tags,
-                         [this](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
-                           std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
-                         });
+      return write_cards(kind.card, 1, 2, mesh_.edge_tags, [this](std::size_t e, std::array<Index, kMaxNodes>& nodes) {
+        std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
+      });
     }
     if (kind.card == (middles_ == nullptr ? "CTRIA3" : "CTRIA6")) {
       return write_simplices(kind.card, 2, mesh_.triangles, mesh_.triangle_tags, kTriangleEdges);
@@ -152,11 +152,11 @@ class NastranWriter {
     if (kind.role != Role::other || !kind.is_written) return;
     for (const ElementBlock& block : mesh_.others) {
       if (block.kind != kind.block) continue;
-      write_cards(kind.card, kind.dimension(), kind.vertices, block.tags,
-                  [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
-                    std::copy_n(block.element2vertex.begin() + std::ptrdiff_t(e * kind.vertices), kind.vertices,
-                                nodes.begin());
-                  });
+      const std::span<const Pair> edges = middle_edges(mesh_, block, MiddleOrder::base_between_top);
+      const bool is_quad8 = kind.card == "CQUAD4" && !edges.empty();
+      write_cards(
+          is_quad8 ? "CQUAD8" : kind.card, kind.dimension(), kind.vertices + edges.size(), block.tags,
+          [&](std::size_t e, std::array<Index, kMaxNodes>& nodes) { list_other(block, e, middles_, edges, nodes); });
     }
   }
 

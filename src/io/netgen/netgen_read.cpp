@@ -196,7 +196,8 @@ class NetgenReader {
       return;
     }
     cursor_.fail(std::string(section == NetgenSection::volume ? "volume" : "surface") + " elements of " +
-                 std::to_string(v.size()) + " nodes are not supported");
+                 std::to_string(v.size()) +
+                 " nodes are not supported; of second order tetune reads tetrahedra and triangles of this format");
   }
 
   /// Each edge is listed once for each of its faces.

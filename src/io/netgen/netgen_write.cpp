@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "io/element_blocks.hpp"
 #include "io/group_order.hpp"
 #include "io/gzip.hpp"
 #include "io/line_writer.hpp"
@@ -12,6 +13,7 @@
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "mesh/listed_faces.hpp"
+#include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
@@ -183,9 +185,8 @@ class NetgenWriter {
     out_.text(std::string("\n").append(name).append("\n").append(std::to_string(n)).append("\n"));
   }
   const ElementBlock* block_of(std::string_view kind) const {
-    const auto at =
-        std::find_if(mesh_.others.begin(), mesh_.others.end(), [kind](const auto& b) { return b.kind == kind; });
-    return at == mesh_.others.end() ? nullptr : &*at;
+    const auto at = std::find_if(others_.begin(), others_.end(), [kind](const auto& b) { return b.kind == kind; });
+    return at == others_.end() ? nullptr : &*at;
   }
   /// Writes an element with its nodes in the order of Netgen.
   template <std::size_t n, std::size_t m, class Order>
@@ -309,6 +310,8 @@ class NetgenWriter {
   LineWriter& out_;
   const TetMesh& mesh_;
   const Middles* middles_;  ///< of elements of second order
+  std::vector<ElementBlock> joined_;
+  const std::vector<ElementBlock>& others_ = blocks_by_kind(mesh_, joined_);
   const NetgenNumbers regions_{mesh_, 3, mesh_.tet_tags, ""};
   const NetgenNumbers patches_{mesh_, 2, mesh_.triangle_tags, ""};
   const NetgenNumbers lines_{mesh_, 1, mesh_.edge_tags, ""};
@@ -328,7 +331,16 @@ void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   if (mesh.triangles.empty()) context.warn("the mesh lists no triangles: Netgen needs them on the whole boundary");
 }
 
+void refuse_second_order_others(const TetMesh& mesh) {
+  for (const ElementBlock& block : mesh.others) {
+    if (!has_middles(mesh, block)) continue;
+    throw FileError(block.kind + " with mid-side nodes are not written to Netgen's files; write another format, or " +
+                    "elements of first order");
+  }
+}
+
 void write_mesh_to(LineWriter out, const TetMesh& mesh, const IoContext& context) {
+  refuse_second_order_others(mesh);
   warn_of_netgen_losses(mesh, context);
   if (!mesh.second_order) return NetgenWriter(out, mesh, nullptr).write(context);
   TetMesh second = mesh;

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "io/plain_text.hpp"
+#include "io/second_order.hpp"
 #include "io/unv/unv_format.hpp"
 
 namespace tetune {
@@ -178,13 +179,15 @@ class UnvParser {
   }
   void check_size(const UnvElementKind& kind, std::int64_t descriptor, std::int64_t n) const {
     const std::string what = "this element with the FE descriptor " + std::to_string(descriptor);
-    if (kind.role == UnvElementKind::Role::unread || (kind.role == UnvElementKind::Role::other && n == kind.nodes)) {
-      lines_.fail(what +
-                  " has nodes on its edges; of second order tetune reads tetrahedra, triangles and beams alone. "
-                  "Write the other elements with their vertices alone");
+    if (kind.role == UnvElementKind::Role::unread) {
+      lines_.fail(what + " is of an order that tetune does not read; make the mesh with elements of first or second " +
+                  "order");
     }
-    if (n == kind.vertices || (n == kind.nodes && kind.role != UnvElementKind::Role::other)) return;
-    lines_.fail(what + " should have " + std::to_string(kind.vertices) + " nodes, and has " + std::to_string(n));
+    if (n == kind.vertices || n == kind.nodes) return;
+    const bool is_other = kind.role == UnvElementKind::Role::other;
+    lines_.fail(what + " should have " + std::to_string(kind.vertices) + " or " + std::to_string(kind.nodes) +
+                " nodes, and has " + std::to_string(n) +
+                (is_other && n > kind.nodes ? std::string("; ") + kNodesOnFaces : ""));
   }
   /// Whether a line after the first of a beam is that of its orientation, which some programs leave out.
   bool has_beam_line(std::string_view line, std::int64_t n) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -74,8 +75,6 @@ class UnvReader {
 
  private:
   using Role = UnvElementKind::Role;
-  static constexpr std::size_t kMaxNodes = 10;
-
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
 
   void index_nodes() {
@@ -176,37 +175,35 @@ class UnvReader {
     const int tag = span_of(tags_)[element2class_[e]];
     std::array<Index, kMaxNodes> v{};
     for (std::size_t k = 0; k < element.nodes; ++k) {
-      v[k] = vertex(element.line, model_.element_nodes[element.first_node + unv_place(kind.role, element.nodes, k)]);
+      v[k] = vertex(element.line, model_.element_nodes[element.first_node + kind.place(element.nodes, k)]);
     }
     const bool is_quadratic = element.nodes > kind.vertices;
+    const std::span<const Index> nodes = std::span(v).first(element.nodes);
+    const auto add_middles_of = [&](std::span<const Pair> edges) {
+      if (!is_quadratic) return;
+      mesh_.second_order = true;
+      add_middles(nodes, edges, middles_);
+    };
     switch (kind.role) {
       case Role::tetrahedron:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         mesh_.tet_tags.push_back(tag);
-        if (is_quadratic) add_middles(v, 4, kTetEdges);
-        return;
+        return add_middles_of(kTetEdges);
       case Role::triangle:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         mesh_.triangle_tags.push_back(tag);
-        if (is_quadratic) add_middles(v, 3, kTriangleEdges);
-        return;
+        return add_middles_of(kTriangleEdges);
       case Role::edge:
         mesh_.edges.push_back({v[0], v[1]});
         mesh_.edge_tags.push_back(tag);
-        if (is_quadratic) add_middles(v, 2, kEdgeEdges);
-        return;
+        return add_middles_of(kEdgeEdges);
       default:
         break;
     }
-    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices);
+    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices, is_quadratic);
     block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
     block.tags.push_back(tag);
-  }
-  template <std::size_t N>
-  void add_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, const std::array<Pair, N>& edges) {
-    for (std::size_t k = 0; k < N; ++k) {
-      middles_.push_back({v[vertices + k], {v[to_size_t(edges[k][0])], v[to_size_t(edges[k][1])]}});
-    }
+    if (is_quadratic) add_middles(nodes, edges_of_kind(kind.block, MiddleOrder::base_between_top), middles_);
   }
 
   void add_node_sets() {
@@ -244,12 +241,12 @@ class UnvReader {
     for (const UnvElement& element : model_.elements) {
       if (middles_.empty()) break;
       for (std::size_t k = 0; k < element.kind->vertices; ++k) {
-        const std::size_t place = unv_place(element.kind->role, element.nodes, k);
+        const std::size_t place = element.kind->place(element.nodes, k);
         const std::int64_t number = model_.element_nodes[element.first_node + place];
         if (span_of(is_middle)[vertex(element.line, number)] == 0) continue;
         lines_.fail_at(element.line, "node " + std::to_string(number) +
                                          " is a vertex of this element and in the middle of an edge of another one; "
-                                         "give all tetrahedra the same order");
+                                         "give all elements the same order");
       }
     }
     for (std::size_t i = 0; i < is_middle.size(); ++i) {

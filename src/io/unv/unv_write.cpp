@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "io/line_writer.hpp"
@@ -139,9 +140,9 @@ class UnvWriter {
       append_integer(text, std::int64_t(n));
       text += '\n';
       if (kind.role == Role::edge) text += "         0         1         1\n";
-      std::array<Index, kMaxSimplexNodes> nodes{}, listed{};
+      std::array<Index, kMaxNodes> nodes{}, listed{};
       nodes_of(e, nodes);
-      for (std::size_t k = 0; k < n; ++k) listed[unv_place(kind.role, n, k)] = nodes[k];
+      for (std::size_t k = 0; k < n; ++k) listed[kind.place(n, k)] = nodes[k];
       constexpr std::size_t kPerLine = 8;
       for (std::size_t k = 0; k < n; ++k) {
         append_integer(text, span_of(node_numbers_)[listed[k]]);
@@ -158,7 +159,7 @@ class UnvWriter {
   void write_simplices(const UnvElementKind& kind, const std::vector<std::array<Index, N>>& elements,
                        const std::vector<int>& tags, const std::array<Pair, E>& edges) {
     const std::size_t n = N + (middles_ != nullptr ? E : 0);
-    write_records_of(kind, n, tags, [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
+    write_records_of(kind, n, tags, [&](std::size_t e, std::array<Index, kMaxNodes>& nodes) {
       list_simplex(mesh_, elements[e], middles_, edges, nodes);
     });
   }
@@ -171,9 +172,10 @@ class UnvWriter {
     if (kind.role != Role::other) return;
     for (const ElementBlock& block : mesh_.others) {
       if (block.kind != kind.block) continue;
-      write_records_of(kind, kind.vertices, block.tags, [&](std::size_t e, std::array<Index, kMaxSimplexNodes>& nodes) {
-        std::copy_n(block.element2vertex.begin() + std::ptrdiff_t(e * kind.vertices), kind.vertices, nodes.begin());
-      });
+      const std::span<const Pair> edges = middle_edges(mesh_, block, MiddleOrder::base_between_top);
+      write_records_of(
+          kind, kind.vertices + edges.size(), block.tags,
+          [&](std::size_t e, std::array<Index, kMaxNodes>& nodes) { list_other(block, e, middles_, edges, nodes); });
     }
   }
 

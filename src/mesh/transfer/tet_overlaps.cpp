@@ -90,7 +90,7 @@ class NearestEntry {
   const BoxTree tree_;
 };
 
-struct Pair {
+struct TetPair {
   Size entry;
   Index old;
   double volume;
@@ -163,9 +163,9 @@ std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const Transfer
 
   constexpr Size kChunk = 128;
   const Size count = std::ssize(result.tets);
-  std::vector<std::vector<Pair>> chunks(to_size_t((count + kChunk - 1) / kChunk));
+  std::vector<std::vector<TetPair>> chunks(to_size_t((count + kChunk - 1) / kChunk));
   cpu.for_parts(std::ssize(chunks), [&](Size chunk) {
-    std::vector<Pair>& pairs = span_of(chunks)[chunk];
+    std::vector<TetPair>& pairs = span_of(chunks)[chunk];
     for (Size i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
       if (cpu.stop_requested()) return;
       const Index t = span_of(result.tets)[i];
@@ -184,12 +184,12 @@ std::optional<TetOverlaps> find_overlaps(const backend::Cpu& cpu, const Transfer
   if (cpu.stop_requested()) return std::nullopt;
   result.offsets.assign(to_size_t(count) + 1, 0);
   std::size_t total = 0;
-  for (const std::vector<Pair>& pairs : chunks) total += pairs.size();
+  for (const std::vector<TetPair>& pairs : chunks) total += pairs.size();
   result.old.reserve(total);
   result.volumes.reserve(total);
-  for (std::vector<Pair>& chunk : chunks) {
-    const std::vector<Pair> pairs = std::exchange(chunk, {});  // its memory is free after it
-    for (const Pair& pair : pairs) {
+  for (std::vector<TetPair>& chunk : chunks) {
+    const std::vector<TetPair> pairs = std::exchange(chunk, {});  // its memory is free after it
+    for (const TetPair& pair : pairs) {
       ++span_of(result.offsets)[pair.entry + 1];
       result.old.push_back(pair.old);
       result.volumes.push_back(pair.volume);
