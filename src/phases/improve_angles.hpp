@@ -41,20 +41,21 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
   AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
   if (region.size() > 0) clear_outside(backend, work.mesh, region, extremes.values.span());
   const double selectable = selection_scale(optimizer.options) * static_cast<double>(work.mesh.tets());
-  const auto cost_of = [&](double fraction, double min_count) {
-    const double max_above = std::max(fraction * selectable, min_count);
+  const auto cost_of = [&](double max_above) {
     return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), max_above, p.cost_resolution));
   };
-  const double cost = cost_of(p.max_fraction, p.min_count);
+  const double cost =
+      cost_of(std::max(p.max_fraction * selectable, std::min(p.min_count, p.small_mesh_fraction * selectable)));
   const auto extreme = tets_above(backend, work.mesh, extremes.values.span(), std::sqrt(1 + cost * cost));
   r.worst = extreme.size();
   // From now on no angle may cost more than the worst at present; shapes may become worse in between.
   floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, p.obtuse_weight);
   const Criterion criterion{kShapeObjective, floor, p.obtuse_weight};
   const AngleParameters& vertices = p.min_vertex_count > 0 ? p : tuning_of(Effort::best).angles;
-  const double vertex_cost = edits_vertices(optimizer.options)
-                                 ? cost_of(vertices.max_vertex_fraction, vertices.min_vertex_count)
-                                 : kInfeasible;
+  const double vertex_cost =
+      edits_vertices(optimizer.options)
+          ? cost_of(std::max(vertices.max_vertex_fraction * selectable, vertices.min_vertex_count))
+          : kInfeasible;
   const auto improved =
       improve_around(optimizer, criterion, extreme.span(), retriangulation_limits(optimizer, vertex_cost), r);
   VertexMask<Backend> selected(backend, work.mesh.vertices());
@@ -93,6 +94,7 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   optimizer.work.boundary.flips_bend = optimizer.work.boundary.bends;
   optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
   int round = 0, stalls = 0;
+  double worked_on = 0;
   const auto run_rounds = [&](int limit, const AngleParameters& p, const auto& follows) {
     stalls = 0;
     for (int i = 0; i < limit && follows(); ++i) {
@@ -102,6 +104,7 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
       Size changes = 0;
       r.seconds = optimizer.timer.measure(Phase::angles, [&] { changes = improve_once(optimizer, p, floor, r); });
       r.dihedral_min = optimizer.traced_angle();
+      worked_on += static_cast<double>(r.worst);
       optimizer.report.worst_rounds.push_back(r);
       optimizer.progress.estimate.finish_angle_round(round, rounds);
       if (!optimizer.proceed(Phase::angles, optimizer.iteration())) return false;
@@ -116,7 +119,8 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
     if (has_fallen()) optimizer.timer.measure(Phase::angles, [&] { has = has_many_tied(optimizer); });
     return has;
   };
-  if (!run_rounds(parameters.max_rounds, parameters, [] { return true; })) return false;
+  const auto has_budget = [&] { return worked_on < parameters.budget; };
+  if (!run_rounds(parameters.max_rounds, parameters, has_budget)) return false;
   if (!run_rounds(parameters.tied_rounds, parameters, has_many_tied_left)) return false;
   return run_rounds(parameters.last_rounds, last_parameters(parameters), has_fallen);
 }

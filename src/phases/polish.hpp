@@ -23,10 +23,8 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
                                           angles.obtuse_weight);
     criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, angles.obtuse_weight);
     criterion.floor.limit_angles(reached.extremes());
-    if (angles.obtuse_weight > 0) {
-      limit_largest_angle(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight,
-                          criterion.floor);
-    }
+    limit_largest_angle(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight,
+                        criterion.floor);
     backend.fill(work.dofs.active.span(), std::uint8_t{1});
   });
   for (int sweep = 1; sweep <= p.sweeps; ++sweep) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "tetune/options.hpp"
 
@@ -98,15 +99,19 @@ struct WorstParameters {
 
 /// improve_angles(): rounds of work around the tetrahedra whose dihedral angles cost most.
 struct AngleParameters {
-  int max_rounds = 1;
-  /// A round works on at most this fraction of the tetrahedra, or this number of them in a small mesh,
+  int max_rounds = 6;
+  /// Rounds follow while those before have worked on fewer tetrahedra than this.
+  double budget = 60;
+  /// A round works on at most this fraction of the tetrahedra, or in a small mesh on this number of them, but at most
+  /// the fraction `small_mesh_fraction`,
   double max_fraction = 3e-4;
-  double min_count = 0;
+  double min_count = 20;
+  double small_mesh_fraction = 2e-3;
   /// and only on those with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is the cost of about
   /// 40 degrees, 1.01 that of 44.7.
   double min_cost = 1.2;
-  /// The weight of large angles in that cost. 0: they do not count.
-  double obtuse_weight = 0;
+  /// The weight of large angles in that cost.
+  double obtuse_weight = 1;
   /// The smallest mean ratio that these rounds may leave, as a fraction of the smallest one of the input.
   double mean_ratio_fraction = 1;
   /// A retriangulation must lower the largest cost in its cavity by this fraction.
@@ -246,12 +251,14 @@ constexpr Tuning best() {
   t.mean.max_rounds = 12;
   t.worst.has_budget = false;
   t.angles.max_rounds = 8;
+  t.angles.budget = std::numeric_limits<double>::infinity();
   t.angles.max_fraction = 4e-3;
   t.angles.min_count = 200;
+  t.angles.small_mesh_fraction = 1;
+  t.angles.obtuse_weight = 1.5;
   t.angles.max_vertex_fraction = 6e-4;
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
-  t.angles.obtuse_weight = 1.5;
   t.angles.mean_ratio_fraction = 0.25;
   t.angles.tied_rounds = 16;
   t.angles.last_rounds = 4;

@@ -198,7 +198,7 @@ TEST(OptimizeTowards, NamesWhatHoldsElements) {
 }
 
 TEST(OptimizeTowards, VerticesThatSlideDoNotHoldElementsAndRoundsKeepTheSurface) {
-  const TetMesh before = test::ball(5, 0.15);
+  const TetMesh before = test::ball(5, 0.15, 2);
   Options options;
   options.boundary = Boundary::slide;
   options.feature_angle = 180;
