@@ -111,7 +111,7 @@ def last_json(record):
         return None
 
 
-TETUNE_REPORTS = re.compile(r"optimi[sz]ed ([\d.]+) s on .*\((\d+) threads\)")
+TETUNE_REPORTS = re.compile(r"optimi[sz]ed ([\d.]+) s on .*\((\d+) threads?\)")
 
 
 def optimize_seconds(tool, record):
