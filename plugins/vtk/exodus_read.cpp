@@ -72,7 +72,7 @@ class ExodusReader {
     for (ElementBlock& block : others_) {
       if (!block.tags.empty()) mesh_.others.push_back(std::move(block));
     }
-    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
+    for (std::string& warning : erase_middles(middles_, mesh_)) warnings_.push_back(std::move(warning));
   }
 
  private:

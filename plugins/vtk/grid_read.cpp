@@ -38,7 +38,7 @@ class GridReader {
       if (!others_[i].element2vertex.empty()) mesh_.others.push_back(std::move(others_[i]));
     }
     if (pieces == Pieces::several) join();
-    if (std::string warning = erase_middles(middles_, mesh_); !warning.empty()) warnings_.push_back(std::move(warning));
+    for (std::string& warning : erase_middles(middles_, mesh_)) warnings_.push_back(std::move(warning));
   }
 
  private:

@@ -19,7 +19,6 @@ namespace tetune {
 namespace {
 
 constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
-constexpr const char* kNoDeck = ": the format cannot hold the rest of the deck, such as materials, loads and steps";
 constexpr const char* kNoNumbers = ": the format cannot hold the numbers of nodes: they are numbered in their order";
 
 /// Whether the vertices have numbers other than their positions. An inserted one, which is the last, has 0.
@@ -266,7 +265,7 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
   const bool is_netgen =
       format.write == write_file<write_netgen> || format.write == write_file<write_netgen_compressed>;
   if (!mesh.periodic.empty() && format.write != write_file<write_msh> && !is_netgen) context.warn(path + kNoPeriodic);
-  if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + kNoDeck);
+  if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + ": " + lost_deck(mesh));
   const bool is_unv = format.write == write_file<write_unv>;
   if (mesh.deck == nullptr && format.write != write_file<write_nastran> && !is_unv && has_own_numbers(mesh)) {
     context.warn(path + kNoNumbers);
@@ -295,7 +294,7 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
   check_arrays(name, mesh);
   const IoContext context{threads, warnings};
   if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
-  if (mesh.deck != nullptr) context.warn(name + kNoDeck);
+  if (mesh.deck != nullptr) context.warn(name + ": " + lost_deck(mesh));
   if (mesh.deck == nullptr && has_own_numbers(mesh)) context.warn(name + kNoNumbers);
   warn_of_unit(name, mesh, context);
   std::vector<std::string> losses;

@@ -91,6 +91,8 @@ TetMesh parse_inp(const std::string& path, std::string bytes, const IoContext& c
 /// Writes the deck that the mesh was read from with this mesh in it, or else a deck of the mesh alone. Throws FileError
 /// where a part of the deck cannot follow the mesh.
 void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context);
+/// The warning of other formats on the deck of a mesh, which they cannot hold.
+std::string lost_deck(const TetMesh& mesh);
 
 /// Reads Nastran's bulk data, with the files that they include.
 TetMesh read_nastran(const std::string& path, const IoContext& context);

@@ -103,6 +103,37 @@ std::string lost_values(const std::vector<Middle>& middles, const TetMesh& mesh)
          "; writers give these nodes the means of both ends, the integers of one end, the sets of both, and no tag";
 }
 
+/// The warning of erase_middles() on elements without nodes on edges; empty where all have them.
+std::string gained_middles(const std::vector<Middle>& middles, const TetMesh& mesh) {
+  std::size_t of_others = 0;
+  for_each_other_middle(mesh, [&of_others](Index, Index) { ++of_others; });
+  // Most readers list a node per edge of each element.
+  const std::size_t of_simplices = 6 * mesh.tets.size() + 3 * mesh.triangles.size() + mesh.edges.size();
+  if (middles.size() == of_simplices + of_others) return {};
+  std::vector<std::array<Index, 2>> edges;
+  for (const Middle& m : middles) edges.push_back(ascending(m.ends[0], m.ends[1]));
+  sort_unique(edges);
+  std::string counts;
+  const auto count = [&](const auto& elements, std::string_view name) {
+    const auto lacks_node = [&edges](const auto& element) {
+      for (std::size_t i = 0; i < element.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+          if (!std::binary_search(edges.begin(), edges.end(), ascending(element[i], element[j]))) return true;
+        }
+      }
+      return false;
+    };
+    const auto n = std::count_if(elements.begin(), elements.end(), lacks_node);
+    if (n > 0) counts.append(counts.empty() ? "" : ", ").append(std::to_string(n)).append(" of the ").append(name);
+  };
+  count(mesh.tets, "tetrahedra");
+  count(mesh.triangles, "triangles");
+  count(mesh.edges, "edges");
+  if (counts.empty()) return {};
+  return "elements without nodes in the middles of their edges get them on writing, as other elements have them: " +
+         counts;
+}
+
 template <class Function>
 void for_each_list(TetMesh& mesh, const Function& f) {
   for (auto& tet : mesh.tets) f(tet.data(), tet.size());
@@ -147,11 +178,13 @@ std::span<const Pair> edges_of_kind(std::string_view name, MiddleOrder order) {
   return kind->edges;
 }
 
-std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
+std::vector<std::string> erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   if (middles.empty()) return {};
   refuse_linear_tets(mesh);
-  std::string warning = lost_values(middles, mesh);
+  std::vector<std::string> warnings{lost_values(middles, mesh)};
   mesh.second_order = true;
+  warnings.push_back(gained_middles(middles, mesh));
+  std::erase(warnings, std::string());
   mesh.curved_edges = find_curved(middles, mesh.points);
   std::vector<Index> old2new(mesh.points.size(), 0);
   for (const Middle& m : middles) span_of(old2new)[m.node] = -1;
@@ -194,7 +227,7 @@ std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
   for (CurvedEdge& edge : mesh.curved_edges) {
     for (Index& v : edge.vertices) v = span_of(old2new)[v];
   }
-  return warning;
+  return warnings;
 }
 
 std::string lost_middles(const TetMesh& mesh) {

@@ -51,13 +51,13 @@ inline void add_middles(std::span<const Index> nodes, std::span<const Pair> edge
   }
 }
 
-/// Erases the nodes in the middles of edges, their data and their periodic pairs, and lists the curved edges. Returns a
-/// warning if Middles would not restore their data or tags, else an empty text. A mesh is straight if no node is
-/// farther than 1e-4 of the edge from the midpoint. TetMesh::second_order says whether tetrahedra, triangles or edges
-/// have such nodes, and is true then where other elements have. Throws FileError where tetrahedra have none, but other
-/// elements; where a node is a vertex of another element; or where a curved mesh has two nodes on an edge or two edges
-/// at a node.
-std::string erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
+/// Erases the nodes in the middles of edges, their data and their periodic pairs, and lists the curved edges. Returns
+/// warnings, if Middles would not restore their data or tags, and if it gives nodes to elements that have none. A mesh
+/// is straight if no node is farther than 1e-4 of the edge from the midpoint. TetMesh::second_order says whether
+/// tetrahedra, triangles or edges have such nodes, and is true then where other elements have. Throws FileError where
+/// tetrahedra have none, but other elements; where a node is a vertex of another element; or where a curved mesh has
+/// two nodes on an edge or two edges at a node.
+std::vector<std::string> erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
 
 /// The warning of writers of linear elements.
 std::string lost_middles(const TetMesh& mesh);

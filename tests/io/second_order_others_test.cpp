@@ -313,6 +313,23 @@ TEST_F(SecondOrderOthers, LinearTetrahedraBesideThemAreRefused) {
   EXPECT_TRUE(contains(error, "the tetrahedra are of first order, but the 1 Prisms have mid-side nodes")) << error;
 }
 
+TEST_F(SecondOrderOthers, SimplicesWithoutMidSideNodesGetThemWithAWarning) {
+  const std::string text =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n11\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 0 0 2\n5 1 0 0\n6 1 1 0\n"
+      "7 0 1 0\n8 0 0 1\n9 0 1 1\n10 1 0 1\n11 1 -2 0\n$EndNodes\n$Elements\n3\n"
+      "1 11 2 1 1 1 2 3 4 5 6 7 8 9 10\n2 2 2 2 1 1 2 11\n3 2 2 2 1 1 2 3\n$EndElements\n";
+  std::vector<std::string> warnings;
+  const TetMesh m = read_mesh(put("a.msh", text), &warnings, 1);
+  EXPECT_EQ(m.points.size(), 5U);
+  ASSERT_EQ(warnings.size(), 1U);
+  // The edges of the other triangle are those of the tetrahedron.
+  EXPECT_TRUE(contains(warnings[0], "as other elements have them: 1 of the triangles")) << warnings[0];
+  warnings.clear();
+  write_mesh(path("b.msh"), m, 1);
+  read_mesh(path("b.msh"), &warnings, 1);
+  EXPECT_EQ(warnings, std::vector<std::string>());
+}
+
 TEST_F(SecondOrderOthers, NastranElementsHaveAllMidSideNodesOrNone) {
   Written file = in_bdf(manuals()[2], {-1, -1});
   const std::size_t last = file.text.rfind(",15");
@@ -352,6 +369,20 @@ TEST_F(SecondOrderOthers, InDecksElementsWithAMidSideNodeThatIsAVertexAreHeld) {
   EXPECT_FALSE(m.second_order);
   EXPECT_TRUE(m.others.empty());
   EXPECT_EQ(m.required_vertices.size(), 20U);
+  write_mesh(path("b.inp"), m, 1);
+  EXPECT_EQ(get("b.inp"), text);
+  std::vector<std::string> warnings;
+  write_mesh(path("c.msh"), m, 1, &warnings);
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
+                          [](const std::string& w) { return contains(w, "nor its elements of other types (1)"); }));
+}
+
+TEST_F(SecondOrderOthers, InDecksElementsWithAVertexTwiceAreHeld) {
+  std::string text = deck_of_hexahedron("");
+  const std::string vertices = "\n1, 1, 2,";
+  text.replace(text.find(vertices), vertices.size(), "\n1, 1, 1,");
+  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  EXPECT_TRUE(m.others.empty());
   write_mesh(path("b.inp"), m, 1);
   EXPECT_EQ(get("b.inp"), text);
 }

@@ -157,6 +157,7 @@ struct InpModel {
   std::vector<std::int64_t> element_labels;
   std::vector<Index> element2tet;  ///< -1 for other elements
   NumberIndex elements;
+  std::size_t text_elements = 0;  ///< the number of those that a mesh cannot have
 
   std::vector<Index> tet2element;
   std::vector<std::array<Index, 4>> tets;  ///< nodes, as listed

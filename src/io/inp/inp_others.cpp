@@ -28,7 +28,8 @@ class InpMiddleNodes {
     }
   }
 
-  /// Adds the mid-side nodes of an element; returns false where one of them, or a vertex, has another part.
+  /// Adds the mid-side nodes of an element; returns false where one of them, or a vertex, has another part, or where a
+  /// vertex occurs twice.
   bool add(const InpOther& other) {
     const std::vector<Index> nodes = nodes_of(other);
     if (std::count(nodes.begin(), nodes.end(), -1) > 0) return true;  // the element is refused
@@ -38,6 +39,7 @@ class InpMiddleNodes {
     add_middles(nodes, kind.edges, middles);
     const auto fits = [&](const Middle& m) {
       const auto ends = ascending(m.ends[0], m.ends[1]);
+      if (ends[0] == ends[1]) return false;
       if (is_middle(m.node)) return span_of(node2edge_)[m.node] == ends;
       return span_of(is_vertex_)[m.node] == 0 && !has_middle(ends);
     };

@@ -109,6 +109,7 @@ class InpResolver {
       block.tags.push_back(0);
       if (has_middles) add_middles_of(kind, v);
     } else {
+      ++model_.text_elements;
       mesh_.required_vertices.insert(mesh_.required_vertices.end(), v.begin(), v.end());
     }
   }

@@ -148,6 +148,13 @@ class InpDeckWriter {
 
 }  // namespace
 
+std::string lost_deck(const TetMesh& mesh) {
+  std::string text = "the format cannot hold the rest of the deck, such as materials, loads and steps";
+  const std::size_t elements = mesh.deck->model().text_elements;
+  if (elements > 0) text.append(", nor its elements of other types (").append(std::to_string(elements)).append(")");
+  return text;
+}
+
 void write_inp(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   if (mesh.deck == nullptr) return write_inp_plain(file, mesh, context);
   const InpModel& model = mesh.deck->model();

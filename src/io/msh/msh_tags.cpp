@@ -117,7 +117,7 @@ class Builder {
     add_views();
     std::erase_if(mesh_.others, [](const ElementBlock& block) { return block.tags.empty(); });
     mesh_.second_order = model_.has_second_order_simplices;
-    if (const std::string warning = erase_middles(model_.middles, mesh_); !warning.empty()) context_.warn(warning);
+    for (const std::string& warning : erase_middles(model_.middles, mesh_)) context_.warn(warning);
     return std::move(mesh_);
   }
 

@@ -66,7 +66,7 @@ class UnvReader {
         std::string(kUnvDialect) + (model_.has_groups_of_gmsh ? kUnvGroupsOfGmsh : kUnvGroups) + '\n' + model_.units;
     warn_of_contents();
     try {
-      if (const std::string lost_values = erase_middles(middles_, mesh_); !lost_values.empty()) warn(lost_values);
+      for (const std::string& warning : erase_middles(middles_, mesh_)) warn(warning);
     } catch (const FileError& e) {
       throw FileError(path_ + ": " + e.what());
     }
