@@ -5,7 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <set>
-#include <string_view>
+#include <span>
 #include <utility>
 
 #include "exodus.hpp"
@@ -36,10 +36,11 @@ std::size_t kind_of(const ex_block& block) {
   }
   const std::string found = "element block " + std::to_string(block.id) + " is of type \"" + block.topology +
                             "\" with " + std::to_string(block.num_nodes_per_entry) + " nodes";
-  constexpr std::array<std::pair<std::string_view, int>, 5> kOnEdges{
-      {{"QUAD", 8}, {"SHELL", 8}, {"PYR", 13}, {"WED", 15}, {"HEX", 20}}};
-  for (const auto& [start, nodes] : kOnEdges) {
-    if (name.starts_with(start) && block.num_nodes_per_entry > nodes) throw FileError(found + ": " + kNodesOnFaces);
+  for (std::size_t list = 0; list < kOtherLists; ++list) {
+    const KindOfElement& kind = kKinds[kOthers + list];
+    if (!is_second_order_list(list) || block.num_nodes_per_entry <= kind.nodes) continue;
+    const auto is_start = [&name](const char* start) { return name.rfind(start, 0) == 0; };
+    if (std::any_of(kind.names.begin(), kind.names.end(), is_start)) throw FileError(found + ": " + kNodesOnFaces);
   }
   throw FileError(found +
                   ", which tetune does not read; it reads bars, triangles, tetrahedra, quadrilaterals, "
@@ -138,23 +139,28 @@ class ExodusReader {
   }
 
   void add(std::size_t kind, const int* v, int tag) {
+    const std::span<const Index> nodes(v, std::size_t(kKinds[kind].nodes));
+    const auto add_simplex_middles = [&](std::span<const Pair> edges) {
+      mesh_.second_order = true;
+      add_middles(nodes, edges, middles_);
+    };
     switch (kind) {
       case kTets + 1:
-        add_simplex_middles(v, kTetEdges);
+        add_simplex_middles(kTetEdges);
         [[fallthrough]];
       case kTets:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         mesh_.tet_tags.push_back(tag);
         return;
       case kTriangles + 1:
-        add_simplex_middles(v, kTriangleEdges);
+        add_simplex_middles(kTriangleEdges);
         [[fallthrough]];
       case kTriangles:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         mesh_.triangle_tags.push_back(tag);
         return;
       case kEdges + 1:
-        add_simplex_middles(v, kEdgeEdges);
+        add_simplex_middles(kEdgeEdges);
         [[fallthrough]];
       case kEdges:
         mesh_.edges.push_back({v[0], v[1]});
@@ -166,16 +172,7 @@ class ExodusReader {
     ElementBlock& block = others_[kind - kOthers];
     block.element2vertex.insert(block.element2vertex.end(), v, v + block.vertices_per_element);
     block.tags.push_back(tag);
-    if (!block.second_order) return;
-    add_middles({v, std::size_t(kKinds[kind].nodes)}, edges_of_kind(block.kind, MiddleOrder::base_between_top),
-                middles_);
-  }
-
-  template <std::size_t N>
-  void add_simplex_middles(const int* v, const std::array<Pair, N>& edges) {
-    mesh_.second_order = true;
-    const std::size_t vertices = N == 6 ? 4 : N == 3 ? 3 : 2;
-    add_middles({v, vertices + N}, edges, middles_);
+    if (block.second_order) add_middles(nodes, edges_of_kind(block.kind, MiddleOrder::base_between_top), middles_);
   }
 
   /// Reads a side set, whose sides of tetrahedra become listed triangles.

@@ -164,6 +164,14 @@ Written in_unv(const Manual& m, Ends bent) {
 
 class SecondOrderOthers : public IoTest {
  protected:
+  /// Reads a deck, and expects the same text where it is written again.
+  TetMesh read_and_write(const std::string& deck) {
+    const TetMesh m = read_mesh(put("a.inp", deck), nullptr, 1);
+    write_mesh(path("b.inp"), m, 1);
+    EXPECT_EQ(get("b.inp"), deck);
+    return m;
+  }
+
   /// Reads an element of a format, in which the node of each edge in turn is beside the midpoint, and writes it again.
   void check(const Manual& manual, const Listing& edges, const std::function<Written(const Manual&, Ends)>& file) {
     const Written straight = file(manual, {-1, -1});
@@ -345,32 +353,26 @@ std::string deck_of_hexahedron(const std::string& more) { return in_inp(manuals(
 TEST_F(SecondOrderOthers, DecksKeepTypesAndText) {
   std::string text = deck_of_hexahedron("*NODE\n31, 0, 0, 9\n*ELEMENT, TYPE=S8RT\n2, 1, 2, 3, 4, 9, 10, 11, 12\n");
   text.replace(text.find("C3D20"), 5, "C3D20R");
-  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  const TetMesh m = read_and_write(text);
   EXPECT_EQ(m.others.size(), 2U);
   EXPECT_EQ(m.points.size(), 9U);
-  write_mesh(path("b.inp"), m, 1);
-  EXPECT_EQ(get("b.inp"), text);
 }
 
 TEST_F(SecondOrderOthers, InDecksOfLinearTetrahedraTheirNodesAreHeld) {
   const std::string text = deck_of_hexahedron("*NODE\n31, 0, 0, 9\n*ELEMENT, TYPE=C3D4\n2, 1, 2, 3, 31\n");
-  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  const TetMesh m = read_and_write(text);
   EXPECT_FALSE(m.second_order);
   EXPECT_TRUE(m.others.empty());
   EXPECT_EQ(m.points.size(), 21U);
   EXPECT_EQ(m.required_vertices.size(), 20U);
-  write_mesh(path("b.inp"), m, 1);
-  EXPECT_EQ(get("b.inp"), text);
 }
 
 TEST_F(SecondOrderOthers, InDecksElementsWithAMidSideNodeThatIsAVertexAreHeld) {
   const std::string text = deck_of_hexahedron("*ELEMENT, TYPE=B31\n2, 9, 10\n");
-  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  const TetMesh m = read_and_write(text);
   EXPECT_FALSE(m.second_order);
   EXPECT_TRUE(m.others.empty());
   EXPECT_EQ(m.required_vertices.size(), 20U);
-  write_mesh(path("b.inp"), m, 1);
-  EXPECT_EQ(get("b.inp"), text);
   std::vector<std::string> warnings;
   write_mesh(path("c.msh"), m, 1, &warnings);
   EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
@@ -381,20 +383,16 @@ TEST_F(SecondOrderOthers, InDecksElementsWithAVertexTwiceAreHeld) {
   std::string text = deck_of_hexahedron("");
   const std::string vertices = "\n1, 1, 2,";
   text.replace(text.find(vertices), vertices.size(), "\n1, 1, 1,");
-  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  const TetMesh m = read_and_write(text);
   EXPECT_TRUE(m.others.empty());
-  write_mesh(path("b.inp"), m, 1);
-  EXPECT_EQ(get("b.inp"), text);
 }
 
 TEST_F(SecondOrderOthers, SetsInDecksKeepTheirMidSideNodes) {
   const std::string text =
       deck_of_hexahedron("*NSET, NSET=some\n9, 13, 20\n*CLOAD\n10, 1, 3.0\nsome, 2, 1.0\n*BOUNDARY\nsome, 1\n");
-  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  const TetMesh m = read_and_write(text);
   EXPECT_EQ(m.others.size(), 1U);
   EXPECT_TRUE(m.edges.empty());
-  write_mesh(path("b.inp"), m, 1);
-  EXPECT_EQ(get("b.inp"), text);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "io/combinations.hpp"
-#include "io/element_blocks.hpp"
 #include "io/inp/inp_scan.hpp"
 #include "io/inp/inp_tags.hpp"
 
@@ -91,7 +90,7 @@ class InpRegions {
     std::map<const ElementBlock*, std::size_t> next;  // element of each block
     for (const InpOther& other : scan_.others) {
       if (other.type.role != InpElementType::Role::block) continue;
-      ElementBlock& block = element_block(mesh_, other.type.kind, other.type.nodes, other.type.has_middles());
+      ElementBlock& block = inp_block(mesh_, other.type);
       block.tags[next[&block]++] =
           span_of(is_solid(other.type) ? tags : quad_tags)[span_of(combination)[other.element]];
     }

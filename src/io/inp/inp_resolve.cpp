@@ -2,7 +2,6 @@
 // The nodes, elements and sets that the numbers and names in a deck refer to.
 #include <algorithm>
 
-#include "io/element_blocks.hpp"
 #include "io/inp/inp_data.hpp"
 #include "io/inp/inp_middles.hpp"
 #include "io/second_order.hpp"
@@ -102,12 +101,10 @@ class InpResolver {
       mesh_.edges.push_back({v[0], v[1]});
       mesh_.edge_tags.push_back(0);
     } else if (other.type.role == Role::block) {
-      const ElementKind& kind = *find_element_kind(other.type.kind);
-      const bool has_middles = other.type.has_middles();
-      ElementBlock& block = element_block(mesh_, kind.name, kind.vertices, has_middles);
-      block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
+      ElementBlock& block = inp_block(mesh_, other.type);
+      block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + block.vertices_per_element);
       block.tags.push_back(0);
-      if (has_middles) add_middles_of(kind, v);
+      if (block.second_order) add_middles_of(*find_element_kind(other.type.kind), v);
     } else {
       ++model_.text_elements;
       mesh_.required_vertices.insert(mesh_.required_vertices.end(), v.begin(), v.end());

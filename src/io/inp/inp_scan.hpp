@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/element_blocks.hpp"
 #include "io/inp/inp_cursor.hpp"
 #include "io/inp/inp_deck.hpp"
 #include "io/inp/inp_format.hpp"
@@ -72,6 +73,11 @@ void refuse_ansys_deck(const std::string& path, std::string_view text);
 /// Makes elements of second order, but for tetrahedra, elements of unknown types, whose nodes are held, where the mesh
 /// cannot have them: beside tetrahedra of first order, or where a mid-side node has another part.
 void hold_unfit_others(InpScan& scan);
+
+/// The block of a mesh for elements of a type that belongs to blocks.
+inline ElementBlock& inp_block(TetMesh& mesh, const InpElementType& type) {
+  return element_block(mesh, type.kind, find_element_kind(type.kind)->vertices, type.has_middles());
+}
 
 /// Finds the entities that the numbers and names refer to, and fills the model and the mesh but for tags.
 void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const IoContext& context);
