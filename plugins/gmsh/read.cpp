@@ -159,19 +159,19 @@ class Reader {
     };
     switch (type) {
       case kTet10:
-        add_simplex_middles(v, kGmshTetEdges);
+        add_middles(v, kGmshTetEdges, middles_);
         [[fallthrough]];
       case kTet:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         return note(tets_, mesh_.tet_tags);
       case kTriangle6:
-        add_simplex_middles(v, kTriangleEdges);
+        add_middles(v, kTriangleEdges, middles_);
         [[fallthrough]];
       case kTriangle:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         return note(triangles_, mesh_.triangle_tags);
       case kEdge3:
-        add_simplex_middles(v, kEdgeEdges);
+        add_middles(v, kEdgeEdges, middles_);
         [[fallthrough]];
       case kEdge:
         mesh_.edges.push_back({v[0], v[1]});
@@ -200,11 +200,6 @@ class Reader {
     block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + block.vertices_per_element);
     note(other_kinds_[k], block.tags);
     if (block.second_order) add_middles(v, edges_of_kind(block.kind, MiddleOrder::gmsh), middles_);
-  }
-
-  void add_simplex_middles(const std::vector<Index>& v, std::span<const Pair> edges) {
-    mesh_.second_order = true;
-    add_middles(v, edges, middles_);
   }
 
   template <class T>
@@ -270,7 +265,7 @@ class Reader {
   FoundKind tets_, triangles_, edges_;
   std::vector<ElementBlock> others_ = blocks_of_lists();
   std::array<FoundKind, kOtherLists> other_kinds_;
-  std::vector<Middle> middles_;
+  MiddleList middles_;
 };
 
 }  // namespace

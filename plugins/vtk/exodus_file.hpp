@@ -96,7 +96,5 @@ inline constexpr std::size_t kTets = 0, kTriangles = 2, kEdges = 4, kOthers = 6;
 
 /// Warns of contents of a file that TetMesh has no place for.
 void warn_of_losses_on_reading(const File& file, const ex_init_params& counts, Warnings& warnings);
-/// Warns of data whose integers doubles cannot hold.
-void warn_of_rounded_integers(const TetMesh& mesh, Warnings& warnings);
 
 }  // namespace tetune::plugin

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contents of Exodus files that TetMesh has no place for, and the other way round.
+// Contents of Exodus files that TetMesh has no place for.
 #include <algorithm>
 #include <numeric>
-#include <set>
-#include <type_traits>
 
 #include "exodus_file.hpp"
 #include "io/plain_text.hpp"
@@ -83,35 +81,10 @@ class Losses {
   Warnings& warnings_;
 };
 
-template <class T>
-bool has_beyond_doubles(const std::vector<T>& values) {
-  if constexpr (!std::is_integral_v<T> || sizeof(T) < sizeof(std::int64_t)) {
-    return false;
-  } else {
-    constexpr T kMost = T{1} << 53;  // the next integer is rounded to it
-    return std::any_of(values.begin(), values.end(), [](T value) {
-      if constexpr (std::is_signed_v<T>) return value < -kMost || value > kMost;
-      return value > kMost;
-    });
-  }
-}
-
 }  // namespace
 
 void warn_of_losses_on_reading(const File& file, const ex_init_params& counts, Warnings& warnings) {
   Losses(file, counts, warnings).find();
-}
-
-void warn_of_rounded_integers(const TetMesh& mesh, Warnings& warnings) {
-  std::set<std::string> names;
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data}) {
-    for (const DataArray& array : *data) {
-      const auto is_rounded = [](const auto& values) { return has_beyond_doubles(values); };
-      if (std::visit(is_rounded, array.values)) names.insert("\"" + array.name + "\"");
-    }
-  }
-  if (names.empty()) return;
-  warnings.push_back("integers beyond 2^53 are rounded, as Exodus stores doubles: data " + listed_texts(names));
 }
 
 }  // namespace tetune::plugin

@@ -140,27 +140,23 @@ class ExodusReader {
 
   void add(std::size_t kind, const int* v, int tag) {
     const std::span<const Index> nodes(v, std::size_t(kKinds[kind].nodes));
-    const auto add_simplex_middles = [&](std::span<const Pair> edges) {
-      mesh_.second_order = true;
-      add_middles(nodes, edges, middles_);
-    };
     switch (kind) {
       case kTets + 1:
-        add_simplex_middles(kTetEdges);
+        add_middles(nodes, kTetEdges, middles_);
         [[fallthrough]];
       case kTets:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         mesh_.tet_tags.push_back(tag);
         return;
       case kTriangles + 1:
-        add_simplex_middles(kTriangleEdges);
+        add_middles(nodes, kTriangleEdges, middles_);
         [[fallthrough]];
       case kTriangles:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         mesh_.triangle_tags.push_back(tag);
         return;
       case kEdges + 1:
-        add_simplex_middles(kEdgeEdges);
+        add_middles(nodes, kEdgeEdges, middles_);
         [[fallthrough]];
       case kEdges:
         mesh_.edges.push_back({v[0], v[1]});
@@ -204,6 +200,7 @@ class ExodusReader {
       const auto& corners = item(kTetSides, side - 1);
       mesh_.triangles.push_back({tet[corners[0]], tet[corners[1]], tet[corners[2]]});
       mesh_.triangle_tags.push_back(tag);
+      if (at->kind == kTets + 1) ++middles_.complete[2];  // those of the tetrahedron
     }
     add_group(2, tag, name_of(EX_SIDE_SET, id));
     if (left_out > 0) {
@@ -339,7 +336,7 @@ class ExodusReader {
   std::int64_t elements_ = 0;
   std::vector<Block> blocks_;
   std::vector<ElementBlock> others_ = blocks_of_lists();
-  std::vector<Middle> middles_;
+  MiddleList middles_;
 };
 
 int open_to_read(const std::string& file) {

@@ -215,7 +215,8 @@ class Writer {
     if (!mesh_.triangle_data.empty() || !mesh_.edge_data.empty()) {
       warnings_.push_back("data are kept on vertices and tetrahedra only");
     }
-    warn_of_rounded_integers(mesh_, warnings_);
+    const std::string rounded = rounded_integers({&mesh_.point_data, &mesh_.tet_data}, "Exodus");
+    if (!rounded.empty()) warnings_.push_back(rounded);
   }
 
   void find_node_sets() {

@@ -81,27 +81,23 @@ class GridReader {
     const int type = grid_->GetCellType(c);
     std::array<Index, kMaxNodes> v = vertices_of(c, type);
     const std::span<const Index> nodes = std::span(v).first(std::size_t(size_of(type)));
-    const auto add_simplex_middles = [&](std::span<const Pair> edges) {
-      mesh_.second_order = true;
-      add_middles(nodes, edges, middles_);
-    };
     switch (type) {
       case VTK_QUADRATIC_TETRA:
-        add_simplex_middles(kTetEdges);
+        add_middles(nodes, kTetEdges, middles_);
         [[fallthrough]];
       case VTK_TETRA:
         mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
         tets_.push_back(c);
         return;
       case VTK_QUADRATIC_TRIANGLE:
-        add_simplex_middles(kTriangleEdges);
+        add_middles(nodes, kTriangleEdges, middles_);
         [[fallthrough]];
       case VTK_TRIANGLE:
         mesh_.triangles.push_back({v[0], v[1], v[2]});
         triangles_.push_back(c);
         return;
       case VTK_QUADRATIC_EDGE:
-        add_simplex_middles(kEdgeEdges);
+        add_middles(nodes, kEdgeEdges, middles_);
         [[fallthrough]];
       case VTK_LINE:
         mesh_.edges.push_back({v[0], v[1]});
@@ -138,7 +134,7 @@ class GridReader {
     for (auto* data : lists) {
       std::erase_if(*data, [](const DataArray& a) { return a.name == vtkDataSetAttributes::GhostArrayName(); });
     }
-    if (const std::size_t torn = merge_points(mesh_, duplicates, middles_); torn > 0) {
+    if (const std::size_t torn = merge_points(mesh_, duplicates, middles_.nodes); torn > 0) {
       warnings_.push_back(std::to_string(torn) +
                           " points are nearer to a point of another piece than 1e-9 of the diagonal, but not at the "
                           "same position: there the pieces are apart, as points are merged where all bits are equal");
@@ -237,7 +233,7 @@ class GridReader {
   std::vector<vtkIdType> tets_, triangles_, edges_;
   std::vector<ElementBlock> others_ = blocks_of_lists();
   std::array<std::vector<vtkIdType>, kOtherLists> other_cells_;
-  std::vector<Middle> middles_;
+  MiddleList middles_;
 };
 
 }  // namespace

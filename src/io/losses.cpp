@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <string>
+#include <type_traits>
+#include <variant>
 
 #include "backend/span.hpp"
+#include "io/plain_text.hpp"
 #include "io/tag_numbers.hpp"
 #include "mesh/node_sets.hpp"
 #include "tetune/error.hpp"
@@ -34,32 +38,57 @@ void warn_of_point_tags(const TetMesh& mesh, const IoContext& context) {
 
 namespace {
 
-std::set<std::string> names_of_data(const TetMesh& mesh, bool with_node_sets) {
-  std::set<std::string> names;
-  const auto add = [&](const std::vector<DataArray>& data) {
-    for (const DataArray& array : data) {
-      if (with_node_sets || !is_node_set(array)) names.insert(array.name);
-    }
-  };
-  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) add(*data);
-  for (const ElementBlock& block : mesh.others) add(block.data);
-  return names;
+/// Calls f(array) for the data of any entity.
+template <class F>
+void for_each_data(const TetMesh& mesh, const F& f) {
+  const auto visit = [&f](const std::vector<DataArray>& data) { std::for_each(data.begin(), data.end(), f); };
+  for (const auto* data : {&mesh.point_data, &mesh.tet_data, &mesh.triangle_data, &mesh.edge_data}) visit(*data);
+  for (const ElementBlock& block : mesh.others) visit(block.data);
 }
 
-void warn_of_data_named(const std::set<std::string>& names, const IoContext& context) {
+/// Warns of the data of any entity that are_kept(array) does not accept.
+template <class AreKept>
+void warn_of_data_unless(const TetMesh& mesh, const IoContext& context, const AreKept& are_kept) {
+  std::set<std::string> names;
+  for_each_data(mesh, [&](const DataArray& array) {
+    if (!are_kept(array)) names.insert(array.name);
+  });
   for (const std::string& name : names) context.warn("the format cannot hold the data \"" + name + "\"");
+}
+
+template <class T>
+bool has_beyond_doubles(const std::vector<T>& values) {
+  if constexpr (!std::is_integral_v<T> || sizeof(T) < sizeof(std::int64_t)) {
+    return false;
+  } else {
+    constexpr T kMost = T{1} << 53;  // the next integer is rounded to it
+    return std::any_of(values.begin(), values.end(), [](T value) {
+      if constexpr (std::is_signed_v<T>) return value < -kMost || value > kMost;
+      return value > kMost;
+    });
+  }
 }
 
 }  // namespace
 
 void warn_of_data(const TetMesh& mesh, const IoContext& context, const char* kept) {
-  std::set<std::string> names = names_of_data(mesh, true);
-  if (kept != nullptr) names.erase(kept);
-  warn_of_data_named(names, context);
+  warn_of_data_unless(mesh, context, [kept](const DataArray& array) { return kept != nullptr && array.name == kept; });
 }
 
 void warn_of_data_but_node_sets(const TetMesh& mesh, const IoContext& context) {
-  warn_of_data_named(names_of_data(mesh, false), context);
+  warn_of_data_unless(mesh, context, is_node_set);
+}
+
+std::string rounded_integers(const std::vector<const std::vector<DataArray>*>& lists, const char* format) {
+  std::set<std::string> names;
+  for (const std::vector<DataArray>* data : lists) {
+    for (const DataArray& array : *data) {
+      const auto is_rounded = [](const auto& values) { return has_beyond_doubles(values); };
+      if (std::visit(is_rounded, array.values)) names.insert("\"" + array.name + "\"");
+    }
+  }
+  if (names.empty()) return {};
+  return "integers beyond 2^53 are rounded, as " + std::string(format) + " stores doubles: data " + listed_texts(names);
 }
 
 void warn_of_names(const TetMesh& mesh, const IoContext& context) {

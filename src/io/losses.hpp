@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "io/io_context.hpp"
@@ -20,6 +21,8 @@ void warn_of_point_tags(const TetMesh& mesh, const IoContext& context);
 void warn_of_data(const TetMesh& mesh, const IoContext& context, const char* kept = nullptr);
 /// Warns of the data of any entity, except for sets of nodes.
 void warn_of_data_but_node_sets(const TetMesh& mesh, const IoContext& context);
+/// The warning of a format that stores doubles on lists of data with integers beyond 2^53; empty where there are none.
+std::string rounded_integers(const std::vector<const std::vector<DataArray>*>& lists, const char* format);
 /// Warns of names of groups.
 void warn_of_names(const TetMesh& mesh, const IoContext& context);
 /// Warns of elements of one vertex.

@@ -9,8 +9,9 @@
 
 namespace tetune {
 
-std::vector<std::int64_t> numbers_of_nodes(const TetMesh& mesh, std::size_t vertices, std::int64_t max,
+std::vector<std::int64_t> numbers_of_nodes(const TetMesh& mesh, const Middles* middles, std::int64_t max,
                                            const IoContext& context) {
+  const std::size_t vertices = middles == nullptr ? mesh.points.size() : middles->vertices();
   std::vector<std::int64_t> numbers;
   if (mesh.deck_nodes.size() == vertices) numbers = mesh.deck_nodes;
   numbers.resize(mesh.points.size(), 0);

@@ -39,6 +39,11 @@ NumberIndex::NumberIndex(const std::vector<std::int64_t>& numbers) : order_(numb
   }
 }
 
+std::int64_t NumberIndex::number(Index rank) const {
+  if (table_.empty()) return span_of(sorted_)[rank];
+  return first_ + (std::find(table_.begin(), table_.end(), rank) - table_.begin());
+}
+
 Index NumberIndex::search(std::int64_t number) const {
   const auto at = std::lower_bound(sorted_.begin(), sorted_.end(), number);
   return at == sorted_.end() || *at != number ? -1 : to_index(at - sorted_.begin());

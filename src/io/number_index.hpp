@@ -21,6 +21,8 @@ class NumberIndex {
     const std::int64_t at = number - first_;
     return at < 0 || at >= std::ssize(table_) ? -1 : table_[to_size_t(at)];
   }
+  /// The number of a rank, by a search in all numbers.
+  std::int64_t number(Index rank) const;
   /// The positions in the list in ascending order of the numbers.
   const std::vector<Index>& order() const { return order_; }
   /// A number that occurs twice, or -1.

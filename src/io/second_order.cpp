@@ -28,9 +28,15 @@ auto entry_of(Values& values, Index v, std::size_t each) {
 
 std::size_t components_of(const DataArray& array) { return to_size_t(array.components); }
 
+/// The number of a node in messages: its number in the file, or else its position, counted from 1.
+std::int64_t shown_number(const NodeNumber& number_of, Index node) {
+  return number_of ? number_of(node) : std::int64_t{node} + 1;
+}
+
 /// The edges whose node is not the midpoint in all bits; none if rounding explains all of them. Throws FileError where
 /// one edge has two nodes, or one node two edges.
-std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const std::vector<Point3>& points) {
+std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const std::vector<Point3>& points,
+                                    const NodeNumber& number_of) {
   const auto is_curved = [&points](const Middle& m) {
     const Point3& p = span_of(points)[m.ends[0]];
     const Point3& q = span_of(points)[m.ends[1]];
@@ -45,10 +51,10 @@ std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const st
   std::array<Index, 2> last{-1, -1};
   for (const auto& [edge, node] : nodes) {
     if (edge == last || std::exchange(span_of(taken)[node], std::uint8_t{1}) != 0) {
-      throw FileError("node " + std::to_string(node + 1) +
-                      " is a mid-side node of two edges, or one of two nodes of the same edge (nodes are counted from "
-                      "1); repair the second-order "
-                      "elements in the program that made them");
+      throw FileError("node " + std::to_string(shown_number(number_of, node)) +
+                      " is a mid-side node of two edges, or one of two nodes of the same edge" +
+                      (number_of ? "" : " (nodes are counted from 1)") +
+                      "; repair the second-order elements in the program that made them");
     }
     last = edge;
     const Point3& middle = span_of(points)[node];
@@ -103,35 +109,20 @@ std::string lost_values(const std::vector<Middle>& middles, const TetMesh& mesh)
          "; writers give these nodes the means of both ends, the integers of one end, the sets of both, and no tag";
 }
 
-/// The warning of erase_middles() on elements without nodes on edges; empty where all have them.
-std::string gained_middles(const std::vector<Middle>& middles, const TetMesh& mesh) {
-  std::size_t of_others = 0;
-  for_each_other_middle(mesh, [&of_others](Index, Index) { ++of_others; });
-  // Most readers list a node per edge of each element.
-  const std::size_t of_simplices = 6 * mesh.tets.size() + 3 * mesh.triangles.size() + mesh.edges.size();
-  if (middles.size() == of_simplices + of_others) return {};
-  std::vector<std::array<Index, 2>> edges;
-  for (const Middle& m : middles) edges.push_back(ascending(m.ends[0], m.ends[1]));
-  sort_unique(edges);
+/// The warning of erase_middles() on elements that lack nodes; empty where all have them.
+std::string gained_middles(const MiddleList& middles, const TetMesh& mesh) {
   std::string counts;
-  const auto count = [&](const auto& elements, std::string_view name) {
-    const auto lacks_node = [&edges](const auto& element) {
-      for (std::size_t i = 0; i < element.size(); ++i) {
-        for (std::size_t j = 0; j < i; ++j) {
-          if (!std::binary_search(edges.begin(), edges.end(), ascending(element[i], element[j]))) return true;
-        }
-      }
-      return false;
-    };
-    const auto n = std::count_if(elements.begin(), elements.end(), lacks_node);
-    if (n > 0) counts.append(counts.empty() ? "" : ", ").append(std::to_string(n)).append(" of the ").append(name);
+  const auto add = [&](std::size_t elements, std::size_t dimension, std::string_view name) {
+    const std::size_t complete = middles.complete[dimension];
+    if (complete >= elements) return;
+    counts.append(counts.empty() ? "" : ", ").append(std::to_string(elements - complete));
+    counts.append(" of the ").append(name);
   };
-  count(mesh.tets, "tetrahedra");
-  count(mesh.triangles, "triangles");
-  count(mesh.edges, "edges");
+  add(mesh.tets.size(), 3, "tetrahedra");
+  add(mesh.triangles.size(), 2, "triangles");
+  add(mesh.edges.size(), 1, "edges");
   if (counts.empty()) return {};
-  return "elements without nodes in the middles of their edges get them on writing, as other elements have them: " +
-         counts;
+  return "elements that lack mid-side nodes get them on writing, as other elements have them: " + counts;
 }
 
 template <class Function>
@@ -178,23 +169,46 @@ std::span<const Pair> edges_of_kind(std::string_view name, MiddleOrder order) {
   return kind->edges;
 }
 
-std::vector<std::string> erase_middles(const std::vector<Middle>& middles, TetMesh& mesh) {
+void add_middles(std::span<const Index> nodes, std::span<const Pair> edges, MiddleList& middles) {
+  const std::size_t vertices = nodes.size() - edges.size();
+  const std::size_t before = middles.nodes.size();
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const Index node = nodes[vertices + e];
+    if (node < 0) continue;
+    middles.nodes.push_back({node, {nodes[to_size_t(edges[e][0])], nodes[to_size_t(edges[e][1])]}});
+  }
+  const std::size_t added = middles.nodes.size() - before;
+  // A simplex has an edge for each pair of its vertices.
+  if (added == 0 || 2 * edges.size() != vertices * (vertices - 1)) return;
+  middles.has_simplices = true;
+  if (added == edges.size()) ++middles.complete[vertices - 1];
+}
+
+std::vector<std::uint8_t> middle_flags(const MiddleList& middles, std::size_t n) {
+  std::vector<std::uint8_t> flags(n, 0);
+  for (const Middle& m : middles.nodes) span_of(flags)[m.node] = 1;
+  return flags;
+}
+
+std::vector<std::string> erase_middles(const MiddleList& list, TetMesh& mesh, const NodeNumber& number_of) {
+  const std::vector<Middle>& middles = list.nodes;
   if (middles.empty()) return {};
+  mesh.second_order = mesh.second_order || list.has_simplices;
   refuse_linear_tets(mesh);
   std::vector<std::string> warnings{lost_values(middles, mesh)};
   mesh.second_order = true;
-  warnings.push_back(gained_middles(middles, mesh));
+  warnings.push_back(gained_middles(list, mesh));
   std::erase(warnings, std::string());
-  mesh.curved_edges = find_curved(middles, mesh.points);
+  mesh.curved_edges = find_curved(middles, mesh.points, number_of);
   std::vector<Index> old2new(mesh.points.size(), 0);
   for (const Middle& m : middles) span_of(old2new)[m.node] = -1;
   const auto check = [&](const Index* ids, std::size_t n) {
     for (const Index v : std::span(ids, n)) {
       if (v < 0 || to_size_t(v) >= old2new.size()) throw FileError("an element has a node that does not exist");
       if (span_of(old2new)[v] >= 0) continue;
-      throw FileError("node " + std::to_string(v + 1) +
-                      ", counted from 1, is in the middle of one element's edge and a vertex of another element; give "
-                      "all elements the same order");
+      throw FileError("node " + std::to_string(shown_number(number_of, v)) + (number_of ? "" : ", counted from 1,") +
+                      " is in the middle of one element's edge and a vertex of another element; give all elements the "
+                      "same order");
     }
   };
   for_each_list(mesh, check);
@@ -237,13 +251,15 @@ std::string lost_middles(const TetMesh& mesh) {
   return text;
 }
 
-Middles::Middles(TetMesh& mesh) : first_(to_index(mesh.points.size())) {
+Middles::Middles(TetMesh& mesh, MiddlesOf elements) : first_(to_index(mesh.points.size())) {
   const auto add = [this](const Index* v, const auto& pairs) {
     for (const Pair& p : pairs) edges_.push_back(ascending(v[p[0]], v[p[1]]));
   };
   for (const auto& tet : mesh.tets) add(tet.data(), kTetEdges);
   for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
-  for (const auto& edge : mesh.edges) add(edge.data(), kEdgeEdges);
+  if (elements == MiddlesOf::all) {
+    for (const auto& edge : mesh.edges) add(edge.data(), kEdgeEdges);
+  }
   for_each_other_middle(mesh, [this](Index a, Index b) { edges_.push_back(ascending(a, b)); });
   sort_unique(edges_);
   for (const auto& [a, b] : edges_) {

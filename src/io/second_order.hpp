@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,31 +44,46 @@ struct Middle {
   std::array<Index, 2> ends;
 };
 
-/// Lists the nodes in the middles of the edges of an element. `nodes`: its vertices, then a node per edge.
-inline void add_middles(std::span<const Index> nodes, std::span<const Pair> edges, std::vector<Middle>& middles) {
-  const std::size_t vertices = nodes.size() - edges.size();
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    middles.push_back({nodes[vertices + e], {nodes[std::size_t(edges[e][0])], nodes[std::size_t(edges[e][1])]}});
-  }
-}
+/// The mid-side nodes that a reader finds.
+struct MiddleList {
+  std::vector<Middle> nodes;  ///< one per edge of each element that has them
+  /// The number of edges, triangles and tetrahedra with a node on each edge, by dimension.
+  std::array<std::size_t, 4> complete{};
+  bool has_simplices = false;  ///< an edge, triangle or tetrahedron has such a node
+};
+
+/// Lists the nodes in the middles of the edges of an element. `nodes`: its vertices, then a node per edge, or -1 where
+/// an edge of a simplex has none.
+void add_middles(std::span<const Index> nodes, std::span<const Pair> edges, MiddleList& middles);
+
+/// Returns 1 for mid-side nodes, and 0 for the others of n nodes.
+std::vector<std::uint8_t> middle_flags(const MiddleList& middles, std::size_t n);
+
+/// Returns the number of a node in its file, for messages.
+using NodeNumber = std::function<std::int64_t(Index node)>;
 
 /// Erases the nodes in the middles of edges, their data and their periodic pairs, and lists the curved edges. Returns
-/// warnings, if Middles would not restore their data or tags, and if it gives nodes to elements that have none. A mesh
-/// is straight if no node is farther than 1e-4 of the edge from the midpoint. TetMesh::second_order says whether
-/// tetrahedra, triangles or edges have such nodes, and is true then where other elements have. Throws FileError where
-/// tetrahedra have none, but other elements; where a node is a vertex of another element; or where a curved mesh has
-/// two nodes on an edge or two edges at a node.
-std::vector<std::string> erase_middles(const std::vector<Middle>& middles, TetMesh& mesh);
+/// warnings, if Middles would not restore their data or tags, and if it gives nodes to elements that lack some. A mesh
+/// is straight if no node is farther than 1e-4 of the edge from the midpoint. TetMesh::second_order becomes true.
+/// Throws FileError where tetrahedra have none, but other elements, unless TetMesh::second_order is true before; where
+/// a node is a vertex of another element; or where a curved mesh has two nodes on an edge or two edges at a node.
+/// `number_of`: empty where nodes have no numbers; messages then count them from 1.
+std::vector<std::string> erase_middles(const MiddleList& middles, TetMesh& mesh, const NodeNumber& number_of = {});
 
 /// The warning of writers of linear elements.
 std::string lost_middles(const TetMesh& mesh);
+
+/// The elements of a second-order mesh to which a format gives mid-side nodes.
+enum class MiddlesOf : std::uint8_t { all, all_but_edges };
 
 /// Adds a node in the middle of each edge of the tetrahedra, listed triangles, edges and other elements of second
 /// order, after all others; on a curved edge at the listed position. Its data are the means of both ends, or the
 /// integers of the first end; it is in the sets of nodes that both ends are in, and has no tag.
 class Middles {
  public:
-  explicit Middles(TetMesh& mesh);
+  explicit Middles(TetMesh& mesh, MiddlesOf elements = MiddlesOf::all);
+  /// The number of vertices, which precede the nodes.
+  std::size_t vertices() const { return to_size_t(first_); }
   /// The node in the middle of an edge of the mesh.
   Index of(Index a, Index b) const;
   bool is_middle(Index v) const { return v >= first_; }
@@ -89,6 +105,16 @@ class Middles {
   std::vector<std::array<Index, 2>> edges_;
   Index first_ = 0;
 };
+
+/// Calls write(mesh, middles): of a mesh of first order with null, of one of second order with a copy that has its
+/// mid-side nodes, and these.
+template <class Write>
+void write_with_middles(const TetMesh& mesh, MiddlesOf elements, const Write& write) {
+  if (!mesh.second_order) return write(mesh, nullptr);
+  TetMesh with_middles = mesh;
+  const Middles middles(with_middles, elements);
+  write(with_middles, &middles);
+}
 
 /// The most nodes of an element, a hexahedron of second order.
 inline constexpr std::size_t kMaxNodes = 20;

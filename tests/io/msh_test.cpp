@@ -96,6 +96,21 @@ TEST_F(Msh, ValuesAtMidSideNodesAreLostWithAWarning) {
   EXPECT_TRUE(contains(warnings_of("0.25")[0], "values at mid-side nodes are not kept: heat"));
 }
 
+TEST_F(Msh, IntegersThatDoublesRoundAreAWarning) {
+  TetMesh m = cube(2);
+  constexpr std::int64_t kExact = std::int64_t{1} << 53;
+  m.point_data = {{"exact", 1, std::vector<std::int64_t>(m.points.size(), -kExact)},
+                  {"low", 1, std::vector<std::int64_t>(m.points.size(), -kExact - 1)}};
+  std::vector<std::uint64_t> ids(m.tets.size(), 1);
+  ids.back() = ~std::uint64_t{0};
+  m.tet_data = {{"ids", 1, ids}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.msh"), m, 1, &warnings);
+  EXPECT_EQ(warnings,
+            (std::vector<std::string>{
+                path("a.msh") + ": integers beyond 2^53 are rounded, as Gmsh stores doubles: data \"ids\", \"low\""}));
+}
+
 TEST_F(Msh, CurvedEdgesKeepTheBitsOfTheirNodes) {
   const TetMesh straight = read_mesh(put("straight.msh", tet10("0.50001 0 0")), nullptr, 1);
   EXPECT_TRUE(straight.second_order);
@@ -118,6 +133,14 @@ TEST_F(Msh, CurvedEdgesKeepTheBitsOfTheirNodes) {
   EXPECT_TRUE(contains(warnings.back(), "2 curved edges are straight"));
   const std::string two = read_error(put("two.msh", tet10("0.5 0.1 0", "1 11 2 1 1 1 2 3 4 5 6 7 8 9 5")));
   EXPECT_TRUE(contains(two, "node 5 is a mid-side node of two edges")) << two;
+  // Messages have the number of a node, also where numbers have gaps, large ones among them.
+  for (const std::string number : {"50", "987654321"}) {
+    std::string text = tet10("0.5 0.1 0", "1 11 2 1 1 1 2 3 4 " + number + " 6 7 8 9 " + number);
+    text.replace(text.find("\n5 0.5") + 1, 1, number);
+    const std::string error = read_error(put("two.msh", text));
+    EXPECT_TRUE(contains(error, "node " + number + " is a mid-side node of two edges, or one of two nodes of the same"))
+        << error;
+  }
 }
 
 TEST_F(Msh, PartitionsAndSeveralStepsAreNamed) {

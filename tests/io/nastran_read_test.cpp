@@ -123,9 +123,18 @@ TEST_F(Nastran, EdgesWithoutMidSideNodesAreStraight) {
   EXPECT_TRUE(m.second_order);
   EXPECT_EQ(m.curved_edges, (std::vector<CurvedEdge>{{{0, 1}, {0.6, 0, 0}}}));
   EXPECT_EQ(m.points.size(), 6U);  // with two nodes in no element
-  EXPECT_TRUE(warned("a.bdf: 1 elements lack mid-side nodes"));
+  EXPECT_TRUE(
+      warned("elements that lack mid-side nodes get them on writing, as other elements have them: 1 of the "
+             "tetrahedra"));
   EXPECT_FALSE(read(kTenNodes + "CTETRA,1,7,1,2,3,4\n,,,,\n" + kEnd).second_order);
   EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(Nastran, RefusalsOfMidSideNodesHaveTheirNumbers) {
+  const std::string error =
+      read_error(put("a.bdf", kTenNodes + "GRID,70,,.9,.9,.9\nCTETRA,1,7,1,2,3,4,70,6,+\n,70,8,9,10\n" + kEnd));
+  EXPECT_TRUE(contains(error, "a.bdf: node 70 is a mid-side node of two edges, or one of two nodes of the same edge;"))
+      << error;
 }
 
 TEST_F(Nastran, ABlankPropertyShiftsNoField) {

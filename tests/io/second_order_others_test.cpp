@@ -330,12 +330,28 @@ TEST_F(SecondOrderOthers, SimplicesWithoutMidSideNodesGetThemWithAWarning) {
   const TetMesh m = read_mesh(put("a.msh", text), &warnings, 1);
   EXPECT_EQ(m.points.size(), 5U);
   ASSERT_EQ(warnings.size(), 1U);
-  // The edges of the other triangle are those of the tetrahedron.
-  EXPECT_TRUE(contains(warnings[0], "as other elements have them: 1 of the triangles")) << warnings[0];
+  // Also the one whose edges have the nodes of the tetrahedron.
+  EXPECT_TRUE(contains(warnings[0], "as other elements have them: 2 of the triangles")) << warnings[0];
   warnings.clear();
   write_mesh(path("b.msh"), m, 1);
   read_mesh(path("b.msh"), &warnings, 1);
   EXPECT_EQ(warnings, std::vector<std::string>());
+}
+
+TEST_F(SecondOrderOthers, ATetrahedronBetweenMidSideNodesOfOthersIsCounted) {
+  std::string text =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 0 0 2\n5 1 0 0\n6 1 1 0\n"
+      "7 0 1 0\n8 0 0 1\n9 0 1 1\n10 1 0 1\n$EndNodes\n$Elements\n8\n1 4 2 1 1 1 2 3 4\n";
+  const std::vector<std::string> edges{"1 2 5", "2 3 6", "3 1 7", "1 4 8", "3 4 9", "2 4 10"};
+  for (std::size_t e = 0; e < edges.size(); ++e) text += std::to_string(e + 2) + " 8 2 1 1 " + edges[e] + "\n";
+  // An element that version 2.2 lists for two groups is one.
+  text += "8 8 2 2 1 1 2 5\n$EndElements\n";
+  std::vector<std::string> warnings;
+  const TetMesh m = read_mesh(put("a.msh", text), &warnings, 1);
+  EXPECT_TRUE(m.second_order);
+  EXPECT_EQ(m.edges.size(), 6U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(warnings[0].ends_with("as other elements have them: 1 of the tetrahedra")) << warnings[0];
 }
 
 TEST_F(SecondOrderOthers, NastranElementsHaveAllMidSideNodesOrNone) {

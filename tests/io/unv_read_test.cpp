@@ -134,6 +134,9 @@ TEST_F(Unv, MidSideNodesFollowTheVertexBefore) {
   EXPECT_EQ(m.curved_edges[0].vertices, (std::array<Index, 2>{0, 1}));
   EXPECT_EQ(m.curved_edges[0].middle, (Point3{.6, 0, 0}));
   EXPECT_EQ(m.deck_nodes, (std::vector<std::int64_t>{1, 3, 5, 10}));
+  const std::string text = unv_set("2411", nodes + node(200, .6, 0, 0)) +
+                           unv_set("2412", element(1, 118, 1, {1, 200, 3, 4, 5, 6, 7, 8, 200, 10}));
+  EXPECT_NE(error(text).find("a.unv: node 200 is a mid-side node of two edges"), std::string::npos) << error(text);
 }
 
 TEST_F(Unv, GroupsOfElementsAndNodes) {

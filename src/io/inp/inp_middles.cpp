@@ -110,9 +110,9 @@ void erase_inp_middles(InpModel& model, TetMesh& mesh, const std::string& path) 
   std::erase_if(mesh.required_vertices, [&](Index v) { return span_of(is_middle)[v] != 0; });
   std::set<std::array<Index, 2>> listed;
   for (const auto& [a, b] : mesh.edges) listed.insert(ascending(a, b));
-  std::vector<Middle> middles;
+  MiddleList middles;
   for (const auto& [ends, node] : model.middles) {
-    middles.push_back({node, ends});
+    middles.nodes.push_back({node, ends});
     if (!std::binary_search(model.held_middles.begin(), model.held_middles.end(), node)) continue;
     mesh.required_vertices.insert(mesh.required_vertices.end(), ends.begin(), ends.end());
     if (listed.contains(ends)) continue;  // as a beam, which is required too

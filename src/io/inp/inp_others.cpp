@@ -35,8 +35,9 @@ class InpMiddleNodes {
     if (std::count(nodes.begin(), nodes.end(), -1) > 0) return true;  // the element is refused
     const ElementKind& kind = *find_element_kind(other.type.kind);
     const auto is_middle = [this](Index v) { return span_of(node2edge_)[v][0] >= 0; };
-    std::vector<Middle> middles;
-    add_middles(nodes, kind.edges, middles);
+    MiddleList list;
+    add_middles(nodes, kind.edges, list);
+    const std::vector<Middle>& middles = list.nodes;
     const auto fits = [&](const Middle& m) {
       const auto ends = ascending(m.ends[0], m.ends[1]);
       if (ends[0] == ends[1]) return false;

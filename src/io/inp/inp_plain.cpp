@@ -256,10 +256,9 @@ class InpPlainWriter {
 }  // namespace
 
 void write_inp_plain(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
-  if (!mesh.second_order) return InpPlainWriter(file, mesh, nullptr, context).write();
-  TetMesh with_middles = mesh;
-  const Middles middles(with_middles);
-  InpPlainWriter(file, with_middles, &middles, context).write();
+  write_with_middles(mesh, MiddlesOf::all, [&](const TetMesh& m, const Middles* middles) {
+    InpPlainWriter(file, m, middles, context).write();
+  });
 }
 
 }  // namespace tetune

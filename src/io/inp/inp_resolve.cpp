@@ -113,9 +113,9 @@ class InpResolver {
 
   void add_middles_of(const ElementKind& kind, const std::vector<Index>& nodes) {
     model_.is_second_order = true;
-    std::vector<Middle> middles;
+    MiddleList middles;
     add_middles(nodes, kind.edges, middles);
-    for (const Middle& m : middles) {
+    for (const Middle& m : middles.nodes) {
       model_.middles.emplace_back(ascending(m.ends[0], m.ends[1]), m.node);
       model_.fixed_middles.push_back(m.node);
     }

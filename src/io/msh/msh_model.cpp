@@ -20,6 +20,7 @@ MshElements kept(const MshElements& from, const std::vector<std::uint8_t>& keep,
     to.corners.insert(to.corners.end(), first, first + std::ptrdiff_t(corners));
     to.cell.push_back(from.cell[e]);
     to.number.push_back(from.number[e]);
+    if (e < from.has_middles.size()) to.has_middles.push_back(from.has_middles[e]);
   }
   return to;
 }

@@ -29,6 +29,8 @@ struct MshElements {
   std::vector<Index> corners;
   std::vector<Index> cell;
   std::vector<std::int64_t> number;
+  /// 1 for an edge, triangle or tetrahedron with mid-side nodes; shorter where the last ones have none.
+  std::vector<std::uint8_t> has_middles;
 };
 
 /// MshName::dimension of a name that is for the groups of its number of all dimensions.
@@ -62,8 +64,7 @@ struct MshModel {
   std::map<std::pair<int, int>, int> loose_tags;  ///< of entities in no group, by dimension and entity
   std::vector<PeriodicLink> periodic;
   std::vector<MshView> views;
-  std::vector<Middle> middles;
-  bool has_second_order_simplices = false;
+  MiddleList middles;
 };
 
 /// Gives names without a dimension those of the elements in groups of their number.

@@ -159,12 +159,15 @@ void MshElementReader::add_element(const MshType& type, Index cell, std::int64_t
     if (v >= 0) return v;
     source_.fail("element " + std::to_string(number) + " has node " + std::to_string(given) + ", which does not exist");
   };
-  const std::size_t first = list.corners.size();
-  for (int k = 0; k < type.corners; ++k) list.corners.push_back(node());
-  for (const auto& [a, b] : msh_middle_edges(type)) {
-    model_.middles.push_back({node(), {list.corners[first + to_size_t(a)], list.corners[first + to_size_t(b)]}});
+  std::array<Index, kMaxNodes> nodes{};
+  const auto listed = std::span(nodes).first(to_size_t(type.nodes));
+  for (Index& v : listed) v = node();
+  list.corners.insert(list.corners.end(), listed.begin(), listed.begin() + type.corners);
+  if (type.nodes > type.corners) {
+    add_middles(listed, msh_middle_edges(type), model_.middles);
+    if (type.list < kMshFirstOther) list.has_middles.resize(list.cell.size() + 1, 0);
+    if (type.list < kMshFirstOther) list.has_middles.back() = 1;
   }
-  if (type.nodes > type.corners && type.list < kMshFirstOther) model_.has_second_order_simplices = true;
   list.cell.push_back(cell);
   list.number.push_back(number);
   if ((list.cell.size() & 0xffffU) != 0) return;

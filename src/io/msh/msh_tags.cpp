@@ -116,12 +116,22 @@ class Builder {
     set_elements();
     add_views();
     std::erase_if(mesh_.others, [](const ElementBlock& block) { return block.tags.empty(); });
-    mesh_.second_order = model_.has_second_order_simplices;
-    for (const std::string& warning : erase_middles(model_.middles, mesh_)) context_.warn(warning);
+    erase_mid_side_nodes();
     return std::move(mesh_);
   }
 
  private:
+  void erase_mid_side_nodes() {
+    // Elements that the file repeats are one.
+    for (const std::size_t list : {kMshTets, kMshTriangles, kMshEdges}) {
+      const std::vector<std::uint8_t>& flags = model_.elements[list].has_middles;
+      model_.middles.complete[to_size_t(msh_type_of(list).dimension)] =
+          to_size_t(std::count(flags.begin(), flags.end(), 1));
+    }
+    const auto number_of = [this](Index v) { return model_.nodes.number(v); };
+    for (const std::string& warning : erase_middles(model_.middles, mesh_, number_of)) context_.warn(warning);
+  }
+
   std::vector<DataArray>& data(std::size_t list) {
     if (list == kMshTets) return mesh_.tet_data;
     if (list == kMshTriangles) return mesh_.triangle_data;

@@ -16,10 +16,6 @@
 namespace tetune {
 namespace {
 
-std::vector<double> doubles_of(const DataArray& array) {
-  return std::visit([](const auto& v) { return std::vector<double>(v.begin(), v.end()); }, array.values);
-}
-
 class MshWriter {
  public:
   MshWriter(FileWriter& file, const TetMesh& mesh, const Middles* middles, const IoContext& context)
@@ -313,6 +309,9 @@ class MshWriter {
         write_view("ElementData", view);
       }
     }
+    std::vector<const std::vector<DataArray>*> lists{&mesh_.point_data};
+    for (const MshKind& kind : layout_.kinds) lists.push_back(kind.data);
+    if (const std::string text = rounded_integers(lists, "Gmsh"); !text.empty()) context_.warn(text);
   }
 
   struct View {
@@ -323,14 +322,16 @@ class MshWriter {
   };
   /// Adds the entries that are not undefined.
   static void add_values(const DataArray& array, std::int64_t first_number, View& view) {
-    const std::vector<double> values = doubles_of(array);
     const auto each = to_size_t(std::max(1, array.components));
-    for (std::size_t i = 0; i + each <= values.size(); i += each) {
-      const std::span<const double> entry(&values[i], each);
-      if (std::all_of(entry.begin(), entry.end(), [](double x) { return std::isnan(x); })) continue;
-      view.numbers.push_back(first_number + std::int64_t(i / each));
-      view.values.insert(view.values.end(), entry.begin(), entry.end());
-    }
+    const auto add = [&](const auto& values) {
+      for (std::size_t i = 0; i + each <= values.size(); i += each) {
+        const std::span entry(&values[i], each);
+        if (std::all_of(entry.begin(), entry.end(), [](auto x) { return std::isnan(double(x)); })) continue;
+        view.numbers.push_back(first_number + std::int64_t(i / each));
+        for (const auto x : entry) view.values.push_back(double(x));
+      }
+    };
+    std::visit(add, array.values);
   }
   void write_view(const char* section, const View& view) {
     if (view.components != 1 && view.components != 3 && view.components != 9) {
@@ -379,10 +380,8 @@ class MshWriter {
 void write_msh(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
   warn_of_lists(mesh, context);
   warn_of_point_tags(mesh, context);
-  if (!mesh.second_order) return MshWriter(file, mesh, nullptr, context).write();
-  TetMesh second = mesh;
-  const Middles middles(second);
-  MshWriter(file, second, &middles, context).write();
+  write_with_middles(mesh, MiddlesOf::all,
+                     [&](const TetMesh& m, const Middles* middles) { MshWriter(file, m, middles, context).write(); });
 }
 
 }  // namespace tetune

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
-#include "io/element_blocks.hpp"
+#include "io/element_collector.hpp"
 #include "io/nastran/nastran_cards.hpp"
 #include "io/nastran/nastran_elements.hpp"
 #include "io/nastran/nastran_fields.hpp"
@@ -24,13 +24,14 @@
 namespace tetune {
 namespace {
 
-/// An element whose nodes are not resolved; they follow those of the one before in a common list.
+/// An element whose nodes are not resolved.
 struct NastranElement {
   NastranPlace place;
   const NastranElementKind* kind;
   int number;
-  int property;        ///< 0: it has none
-  std::uint8_t nodes;  ///< that are listed: without the mid-side nodes where it has none
+  int property;            ///< 0: it has none
+  std::uint8_t nodes;      ///< that are listed: without the mid-side nodes where it has none
+  std::size_t first_node;  ///< position in the list of the nodes of all elements
 };
 
 /// Whether a card that is not read names nodes or elements by their numbers.
@@ -68,20 +69,15 @@ class NastranReader {
     check_element_numbers();
     for (const NastranElement& element : elements_) add(element);
     mesh_.point_tags.assign(mesh_.points.size(), 0);
-    keep_numbers();
-    try {
-      erase_middles(middles_, mesh_);
-    } catch (const FileError& e) {
-      throw FileError(path_ + ": " + e.what());
-    }
+    keep_numbers_of_vertices();
     warn_of_cards();
     warn_of_elements();
+    erase_mid_side_nodes();
     if (!cards_.has_end()) warn("it does not end with ENDDATA; the file may be cut short");
     return std::move(mesh_);
   }
 
  private:
-  using Role = NastranElementKind::Role;
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
 
   void take(const NastranCard& card) {
@@ -154,6 +150,7 @@ class NastranReader {
     const int number = positive(card, 0, "the number of the element");
     const int property = card.field(1).empty() ? 0 : positive(card, 1, "the number of the property");
     ++(property == 0 ? without_property_ : with_property_)[kind.dimension()];
+    const std::size_t first_node = element_nodes_.size();
     std::uint8_t middles = 0;
     for (std::uint8_t k = 0; k < kind.nodes; ++k) {
       const std::string_view field = card.field(2U + k);
@@ -163,13 +160,13 @@ class NastranReader {
       if (!is_absent && k >= kind.vertices) ++middles;
     }
     const std::uint8_t nodes = middles == 0 ? kind.vertices : kind.nodes;
-    element_nodes_.resize(element_nodes_.size() - kind.nodes + nodes);
-    if (kind.role == Role::other && kind.vertices + middles != nodes) refuse_partial(card, kind);
+    element_nodes_.resize(first_node + nodes);
+    if (!kind.block.empty() && kind.vertices + middles != nodes) refuse_partial(card, kind);
     if (card.marker.size() > 1 && (card.marker[0] == '+' || card.marker[0] == '*')) {
       cards_.fail(card.place, "the card continues in a line that starts with " + nastran_shown(card.marker) +
                                   ", which does not follow; put it below its card");
     }
-    elements_.push_back({card.place, &kind, number, property, nodes});
+    elements_.push_back({card.place, &kind, number, property, nodes, first_node});
     if (kind.card == "CBAR" || kind.card == "CBEAM") bars_.insert(card.name);
     note_rest(card, 2U + kind.nodes);
   }
@@ -221,64 +218,36 @@ class NastranReader {
 
   void add(const NastranElement& element) {
     const NastranElementKind& kind = *element.kind;
-    const int tag = tag_of(element);
     std::array<Index, kMaxNodes> v;
     v.fill(-1);
-    for (std::size_t k = 0; k < element.nodes; ++k, ++next_node_) {
-      if (const int number = element_nodes_[next_node_]; number != 0) v[k] = vertex(element, number);
+    for (std::size_t k = 0; k < element.nodes; ++k) {
+      if (const int number = element_nodes_[element.first_node + k]; number != 0) v[k] = vertex(element, number);
     }
-    switch (kind.role) {
-      case Role::tetrahedron:
-        mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
-        mesh_.tet_tags.push_back(tag);
-        return add_simplex_middles(v, 4, kTetEdges);
-      case Role::triangle:
-        mesh_.triangles.push_back({v[0], v[1], v[2]});
-        mesh_.triangle_tags.push_back(tag);
-        return add_simplex_middles(v, 3, kTriangleEdges);
-      case Role::edge:
-        mesh_.edges.push_back({v[0], v[1]});
-        mesh_.edge_tags.push_back(tag);
-        return;
-      case Role::other:
-        break;
-    }
-    const bool is_quadratic = element.nodes > kind.vertices;
-    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices, is_quadratic);
-    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
-    block.tags.push_back(tag);
-    if (!is_quadratic) return;
-    add_middles(std::span(v).first(kind.nodes), edges_of_kind(kind.block, MiddleOrder::base_between_top), middles_);
-  }
-  /// Adds the mid-side nodes of a simplex, of which some may be left out.
-  void add_simplex_middles(const std::array<Index, kMaxNodes>& v, std::size_t vertices, std::span<const Pair> edges) {
-    const std::size_t before = middles_.size();
-    add_middles(std::span(v).first(vertices + edges.size()), edges, middles_);
-    const auto added = middles_.begin() + std::ptrdiff_t(before);
-    middles_.erase(std::remove_if(added, middles_.end(), [](const Middle& m) { return m.node < 0; }), middles_.end());
-    if (middles_.size() < before + edges.size()) ++partial_;
-    if (middles_.size() > before) mesh_.second_order = true;
+    const std::span<const Index> nodes = std::span(v).first(element.nodes);
+    if (kind.block.empty()) return collector_.add_simplex(nodes, kind.vertices, tag_of(element));
+    collector_.add_other(kind.block, nodes, tag_of(element));
   }
 
-  /// Keeps the numbers of vertices, and refuses mid-side nodes that are vertices of other elements.
-  void keep_numbers() {
-    std::vector<std::uint8_t> is_middle(mesh_.points.size(), 0);
-    for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
-    if (!middles_.empty()) {
-      std::size_t node = 0;
+  void keep_numbers_of_vertices() {
+    const auto for_each_vertex = [this](const auto& visit) {
       for (const NastranElement& element : elements_) {
         for (std::size_t k = 0; k < element.kind->vertices; ++k) {
-          const int number = element_nodes_[node + k];
-          if (span_of(is_middle)[vertex(element, number)] == 0) continue;
-          cards_.fail(element.place, "node " + std::to_string(number) +
-                                         " is a vertex of this element and in the middle of an edge of another one; "
-                                         "give all elements the same order");
+          visit(element, vertex(element, element_nodes_[element.first_node + k]));
         }
-        node += element.nodes;
       }
-    }
-    for (std::size_t i = 0; i < is_middle.size(); ++i) {
-      if (is_middle[i] == 0) mesh_.deck_nodes.push_back(node_numbers_[i]);
+    };
+    keep_numbers(node_numbers_, collector_.middles(), mesh_, for_each_vertex,
+                 [this](const NastranElement& element, const std::string& text) { cards_.fail(element.place, text); });
+  }
+
+  void erase_mid_side_nodes() {
+    MiddleList& middles = collector_.middles();
+    middles.complete[1] = mesh_.edges.size();  // rods have no mid-side nodes, and get none on writing
+    try {
+      const auto number_of = [this](Index v) { return span_of(node_numbers_)[v]; };
+      for (const std::string& text : erase_middles(middles, mesh_, number_of)) warn(text);
+    } catch (const FileError& e) {
+      throw FileError(path_ + ": " + e.what());
     }
   }
 
@@ -308,10 +277,6 @@ class NastranReader {
            " have no number of a property: " +
            (with_property_[dimension] > 0 ? "it is that of the element" : "they have no tag"));
     }
-    if (!middles_.empty() && partial_ > 0) {
-      warn(std::to_string(partial_) + " elements lack mid-side nodes: their edges without one are straight, and all " +
-           "get them when they are written");
-    }
     if (is_renumbered_) {
       warn("the elements are not numbered from 1 to " + std::to_string(elements_.size()) + ": they get these numbers");
     }
@@ -321,17 +286,15 @@ class NastranReader {
   const IoContext& context_;
   NastranCards cards_;
   TetMesh mesh_;
+  ElementCollector collector_{mesh_, MiddleOrder::base_between_top};
   std::vector<std::int64_t> node_numbers_;
   std::vector<NastranPlace> node_places_;
   NumberIndex nodes_;
   int default_system_ = 0;
   std::optional<NastranPlace> default_place_;  ///< of the first node in the default coordinate system
   std::vector<NastranElement> elements_;
-  std::vector<int> element_nodes_;  ///< 0: none
-  std::size_t next_node_ = 0;
-  std::vector<Middle> middles_;
+  std::vector<int> element_nodes_;                                   ///< 0: none
   std::array<std::size_t, 4> with_property_{}, without_property_{};  ///< numbers of elements, by dimension
-  std::size_t partial_ = 0;
   bool is_renumbered_ = false;
   std::set<std::string> rests_, bars_;  ///< names of cards
 };

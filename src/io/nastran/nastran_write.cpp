@@ -38,18 +38,16 @@ void append_name(std::string& line, std::string_view name) { line.append(name).a
 
 class NastranWriter {
  public:
-  /// `middles` is null for a mesh of first order; otherwise `mesh` has the mid-side nodes after its vertices, of which
-  /// there are `vertices`.
-  NastranWriter(FileWriter& file, const TetMesh& mesh, std::size_t vertices, const Middles* middles,
-                const IoContext& context)
-      : file_(file), mesh_(mesh), vertices_(vertices), middles_(middles), context_(context), cpu_(context.threads) {}
+  /// `middles`: the mid-side nodes of `mesh`; null where it has none.
+  NastranWriter(FileWriter& file, const TetMesh& mesh, const Middles* middles, const IoContext& context)
+      : file_(file), mesh_(mesh), middles_(middles), context_(context), cpu_(context.threads) {}
 
   void write() {
     if (mesh_.points.size() > std::size_t(kMaxNastranNumber)) {
       throw FileError("the mesh has " + std::to_string(mesh_.points.size()) +
                       " nodes; Nastran's numbers have at most 8 digits: write another format");
     }
-    node_numbers_ = numbers_of_nodes(mesh_, vertices_, kMaxNastranNumber, context_);
+    node_numbers_ = numbers_of_nodes(mesh_, middles_, kMaxNastranNumber, context_);
     number_properties();
     // Without this comment in the first line pyNastran expects the statements of a whole deck.
     file_.write("$ pyNastran: punch=True\n$ tetune\n");
@@ -162,7 +160,6 @@ class NastranWriter {
 
   FileWriter& file_;
   const TetMesh& mesh_;
-  std::size_t vertices_;
   const Middles* middles_;
   const IoContext& context_;
   backend::Cpu cpu_;
@@ -180,13 +177,10 @@ void write_nastran(FileWriter& file, const TetMesh& mesh, const IoContext& conte
     if (!is_known && block.kind != kPoints) throw FileError("Nastran has no elements of kind " + block.kind);
   }
   warn_of_losses_in_nastran(mesh, context);
-  if (!mesh.second_order) return NastranWriter(file, mesh, mesh.points.size(), nullptr, context).write();
   // Rods have no mid-side nodes.
-  TetMesh with_middles = mesh;
-  with_middles.edges.clear();
-  const Middles middles(with_middles);
-  with_middles.edges = mesh.edges;
-  NastranWriter(file, with_middles, mesh.points.size(), &middles, context).write();
+  write_with_middles(mesh, MiddlesOf::all_but_edges, [&](const TetMesh& m, const Middles* middles) {
+    NastranWriter(file, m, middles, context).write();
+  });
 }
 
 }  // namespace tetune

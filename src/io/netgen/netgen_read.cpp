@@ -6,11 +6,10 @@
 #include <set>
 
 #include "io/checked_count.hpp"
-#include "io/element_blocks.hpp"
+#include "io/element_collector.hpp"
 #include "io/gzip.hpp"
 #include "io/netgen/netgen_format.hpp"
 #include "io/registry.hpp"
-#include "io/second_order.hpp"
 #include "io/text_cursor.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"
@@ -153,10 +152,8 @@ class NetgenReader {
       const std::vector<Index> v = vertices(nodes);
       skip_words(extra * to_index(v.size()));
       if (nodes == 3 || nodes == 6) {
-        mesh_.triangles.push_back({v[0], v[1], v[2]});
-        mesh_.triangle_tags.push_back(tag);
+        add_simplex(v, 3, kNetgenTriangle, tag);
         surfaces_.push_back(surface);
-        if (nodes == 6) add_middles(v, kNetgenTriangle, kTriangleEdges);
       } else {
         add_other(v, tag, NetgenSection::surface);
       }
@@ -169,31 +166,28 @@ class NetgenReader {
       const int tag = std::max(1, integer("number of a material"));
       const std::vector<Index> v = vertices(integer("number of nodes"));
       if (v.size() == 4 || v.size() == 10) {
-        mesh_.tets.push_back({v[0], v[2], v[1], v[3]});
-        mesh_.tet_tags.push_back(tag);
-        if (v.size() == 10) add_middles(v, kNetgenTet, kTetEdges);
+        add_simplex(v, 4, kNetgenTet, tag);
       } else {
         add_other(v, tag, NetgenSection::volume);
       }
     }
   }
 
-  template <class Order, class Edges>
-  void add_middles(const std::vector<Index>& v, const Order& order, const Edges& edges) {
-    const auto node = [&](std::size_t k) { return v[to_size_t(order[k])]; };
-    const std::size_t corners = order.size() - edges.size();
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-      middles_.push_back({node(corners + e), {node(to_size_t(edges[e][0])), node(to_size_t(edges[e][1]))}});
-    }
+  /// Adds an element with its nodes at the places of `order`, of which those in the middles of edges follow the
+  /// vertices.
+  template <std::size_t N>
+  void add_simplex(const std::vector<Index>& v, std::size_t vertices, const std::array<int, N>& order, int tag) {
+    std::array<Index, N> nodes{};
+    for (std::size_t k = 0; k < v.size(); ++k) nodes[k] = span_of(v)[order[k]];
+    collector_.add_simplex(std::span(nodes).first(v.size()), vertices, tag);
   }
 
   void add_other(const std::vector<Index>& v, int tag, NetgenSection section) {
     for (const NetgenKind& kind : kNetgenKinds) {
       if (to_size_t(kind.vertices) != v.size() || kind.section != section) continue;
-      ElementBlock& block = element_block(mesh_, kind.kind, kind.vertices);
-      for (std::size_t k = 0; k < v.size(); ++k) block.element2vertex.push_back(v[to_size_t(kind.order[k])]);
-      block.tags.push_back(tag);
-      return;
+      std::array<Index, 8> nodes{};
+      for (std::size_t k = 0; k < v.size(); ++k) nodes[k] = span_of(v)[kind.order[k]];
+      return collector_.add_other(kind.kind, std::span(nodes).first(v.size()), tag);
     }
     cursor_.fail(std::string(section == NetgenSection::volume ? "volume" : "surface") + " elements of " +
                  std::to_string(v.size()) +
@@ -224,17 +218,15 @@ class NetgenReader {
         skip_words(3);
       }
       if (!edges_.insert(ascending(a, b)).second) continue;
-      mesh_.edges.push_back({a, b});
-      mesh_.edge_tags.push_back(tag);
+      collector_.add_simplex(std::array{a, b}, 2, tag);
     }
   }
 
   void read_point_elements() {
     const std::size_t n = count("number of points", 2);
     for (std::size_t i = 0; i < n; ++i) {
-      ElementBlock& block = element_block(mesh_, kPoints, 1);
-      block.element2vertex.push_back(vertex());
-      block.tags.push_back(integer("number of a point"));
+      const std::array<Index, 1> node{vertex()};
+      collector_.add_other(kPoints, node, integer("number of a point"));
     }
   }
 
@@ -301,7 +293,9 @@ class NetgenReader {
       }
     }
     const auto vertices = std::int64_t(mesh_.points.size());
-    for (const Middle& m : middles_) {
+    MiddleList& middles = collector_.middles();
+    middles.complete[1] = mesh_.edges.size();  // edges have no mid-side nodes, and get none on writing
+    for (const Middle& m : middles.nodes) {
       if (std::max({m.node, m.ends[0], m.ends[1]}) >= vertices)
         cursor_.fail("an element has a point that does not exist");
     }
@@ -311,7 +305,7 @@ class NetgenReader {
       }
     }
     try {
-      erase_middles(middles_, mesh_);
+      for (const std::string& text : erase_middles(middles, mesh_)) context_.warn(path_ + ": " + text);
     } catch (const FileError& e) {
       cursor_.fail(e.what());
     }
@@ -331,10 +325,10 @@ class NetgenReader {
   const std::string& path_;
   const IoContext& context_;
   TetMesh mesh_;
+  ElementCollector collector_{mesh_, MiddleOrder::base_top_between};  // which other kinds have none of
   const std::map<std::string, int> names_{{"materials", 3}, {"bcnames", 2}, {"cd2names", 1}, {"cd3names", 0}};
-  std::vector<std::int32_t> surfaces_;  ///< of the triangles
-  std::vector<Middle> middles_;
-  std::set<std::array<Index, 2>> edges_;
+  std::vector<std::int32_t> surfaces_;    ///< of the triangles
+  std::set<std::array<Index, 2>> edges_;  ///< listed ones
   std::map<int, std::vector<std::array<Index, 2>>> identified_;
   std::vector<std::int64_t> types_;  ///< of identifications
   std::vector<int> descriptors_;     ///< numbers of edges

@@ -342,12 +342,9 @@ void refuse_second_order_others(const TetMesh& mesh) {
 void write_mesh_to(LineWriter out, const TetMesh& mesh, const IoContext& context) {
   refuse_second_order_others(mesh);
   warn_of_netgen_losses(mesh, context);
-  if (!mesh.second_order) return NetgenWriter(out, mesh, nullptr).write(context);
-  TetMesh second = mesh;
-  second.edges.clear();  // the format's edges have no nodes in the middle
-  const Middles middles(second);
-  second.edges = mesh.edges;
-  NetgenWriter(out, second, &middles).write(context);
+  // The edges of the format have no mid-side nodes.
+  write_with_middles(mesh, MiddlesOf::all_but_edges,
+                     [&](const TetMesh& m, const Middles* middles) { NetgenWriter(out, m, middles).write(context); });
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "backend/span.hpp"
 #include "io/combinations.hpp"
-#include "io/element_blocks.hpp"
+#include "io/element_collector.hpp"
 #include "io/node_numbers.hpp"
 #include "io/number_index.hpp"
 #include "io/plain_text.hpp"
@@ -61,12 +61,13 @@ class UnvReader {
     for (std::size_t e = 0; e < model_.elements.size(); ++e) add(e);
     mesh_.point_tags.assign(mesh_.points.size(), 0);
     add_node_sets();
-    keep_numbers();
+    keep_numbers_of_vertices();
     mesh_.dialect =
         std::string(kUnvDialect) + (model_.has_groups_of_gmsh ? kUnvGroupsOfGmsh : kUnvGroups) + '\n' + model_.units;
     warn_of_contents();
     try {
-      for (const std::string& warning : erase_middles(middles_, mesh_)) warn(warning);
+      const auto number_of = [this](Index v) { return span_of(model_.node_numbers)[v]; };
+      for (const std::string& text : erase_middles(collector_.middles(), mesh_, number_of)) warn(text);
     } catch (const FileError& e) {
       throw FileError(path_ + ": " + e.what());
     }
@@ -74,7 +75,6 @@ class UnvReader {
   }
 
  private:
-  using Role = UnvElementKind::Role;
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
 
   void index_nodes() {
@@ -162,10 +162,13 @@ class UnvReader {
     }
   }
 
-  Index vertex(std::int64_t line, std::int64_t number) const {
+  /// Node k of an element, of which the vertices come first.
+  Index node_of(const UnvElement& element, std::size_t k) const {
+    const std::size_t place = element.kind->place(element.nodes, k);
+    const std::int64_t number = model_.element_nodes[element.first_node + place];
     const Index rank = nodes_.rank(number);
     if (rank >= 0) return span_of(nodes_.order())[rank];
-    lines_.fail_at(line,
+    lines_.fail_at(element.line,
                    "this element has node " + std::to_string(number) + ", and no node of the file has this number");
   }
 
@@ -174,36 +177,10 @@ class UnvReader {
     const UnvElementKind& kind = *element.kind;
     const int tag = span_of(tags_)[element2class_[e]];
     std::array<Index, kMaxNodes> v{};
-    for (std::size_t k = 0; k < element.nodes; ++k) {
-      v[k] = vertex(element.line, model_.element_nodes[element.first_node + kind.place(element.nodes, k)]);
-    }
-    const bool is_quadratic = element.nodes > kind.vertices;
+    for (std::size_t k = 0; k < element.nodes; ++k) v[k] = node_of(element, k);
     const std::span<const Index> nodes = std::span(v).first(element.nodes);
-    const auto add_middles_of = [&](std::span<const Pair> edges) {
-      if (!is_quadratic) return;
-      mesh_.second_order = true;
-      add_middles(nodes, edges, middles_);
-    };
-    switch (kind.role) {
-      case Role::tetrahedron:
-        mesh_.tets.push_back({v[0], v[1], v[2], v[3]});
-        mesh_.tet_tags.push_back(tag);
-        return add_middles_of(kTetEdges);
-      case Role::triangle:
-        mesh_.triangles.push_back({v[0], v[1], v[2]});
-        mesh_.triangle_tags.push_back(tag);
-        return add_middles_of(kTriangleEdges);
-      case Role::edge:
-        mesh_.edges.push_back({v[0], v[1]});
-        mesh_.edge_tags.push_back(tag);
-        return add_middles_of(kEdgeEdges);
-      default:
-        break;
-    }
-    ElementBlock& block = element_block(mesh_, kind.block, kind.vertices, is_quadratic);
-    block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + kind.vertices);
-    block.tags.push_back(tag);
-    if (is_quadratic) add_middles(nodes, edges_of_kind(kind.block, MiddleOrder::base_between_top), middles_);
+    if (kind.block.empty()) return collector_.add_simplex(nodes, kind.vertices, tag);
+    collector_.add_other(kind.block, nodes, tag);
   }
 
   void add_node_sets() {
@@ -234,24 +211,14 @@ class UnvReader {
     }
   }
 
-  /// Keeps the numbers of vertices, and refuses mid-side nodes that are vertices of other elements.
-  void keep_numbers() {
-    std::vector<std::uint8_t> is_middle(mesh_.points.size(), 0);
-    for (const Middle& middle : middles_) span_of(is_middle)[middle.node] = 1;
-    for (const UnvElement& element : model_.elements) {
-      if (middles_.empty()) break;
-      for (std::size_t k = 0; k < element.kind->vertices; ++k) {
-        const std::size_t place = element.kind->place(element.nodes, k);
-        const std::int64_t number = model_.element_nodes[element.first_node + place];
-        if (span_of(is_middle)[vertex(element.line, number)] == 0) continue;
-        lines_.fail_at(element.line, "node " + std::to_string(number) +
-                                         " is a vertex of this element and in the middle of an edge of another one; "
-                                         "give all elements the same order");
+  void keep_numbers_of_vertices() {
+    const auto for_each_vertex = [this](const auto& visit) {
+      for (const UnvElement& element : model_.elements) {
+        for (std::size_t k = 0; k < element.kind->vertices; ++k) visit(element, node_of(element, k));
       }
-    }
-    for (std::size_t i = 0; i < is_middle.size(); ++i) {
-      if (is_middle[i] == 0) mesh_.deck_nodes.push_back(model_.node_numbers[i]);
-    }
+    };
+    keep_numbers(model_.node_numbers, collector_.middles(), mesh_, for_each_vertex,
+                 [this](const UnvElement& element, const std::string& text) { lines_.fail_at(element.line, text); });
     // TetMesh::deck_nodes has 0 for inserted vertices, so that it cannot hold a node of this number.
     if (nodes_.rank(0) >= 0) mesh_.deck_nodes.clear();
   }
@@ -302,12 +269,12 @@ class UnvReader {
   UnvLines lines_;
   UnvModel model_;
   TetMesh mesh_;
+  ElementCollector collector_{mesh_, MiddleOrder::base_between_top};
   NumberIndex nodes_, elements_;
   std::map<std::array<Index, 3>, std::ptrdiff_t> key2class_;  ///< by dimension, property and combination of groups
   std::vector<UnvClass> classes_;
   std::vector<int> tags_;  ///< of classes
   std::vector<std::ptrdiff_t> element2class_;
-  std::vector<Middle> middles_;
   std::size_t missing_ = 0;
   bool is_renumbered_ = false;
 };

@@ -46,15 +46,13 @@ void append_real(std::string& text, double value) {
 
 class UnvWriter {
  public:
-  /// `middles` is null for a mesh of first order; otherwise `mesh` has the mid-side nodes after its vertices, of which
-  /// there are `vertices`.
-  UnvWriter(FileWriter& file, const TetMesh& mesh, std::size_t vertices, const Middles* middles,
-            const IoContext& context)
-      : file_(file), mesh_(mesh), vertices_(vertices), middles_(middles), context_(context), cpu_(context.threads) {}
+  /// `middles`: the mid-side nodes of `mesh`; null where it has none.
+  UnvWriter(FileWriter& file, const TetMesh& mesh, const Middles* middles, const IoContext& context)
+      : file_(file), mesh_(mesh), middles_(middles), context_(context), cpu_(context.threads) {}
 
   void write() {
     check_size();
-    node_numbers_ = numbers_of_nodes(mesh_, vertices_, kMaxUnvNumber, context_);
+    node_numbers_ = numbers_of_nodes(mesh_, middles_, kMaxUnvNumber, context_);
     number_properties();
     const bool is_read = mesh_.dialect.starts_with(kUnvDialect);
     if (const std::string_view units = is_read ? unv_units(mesh_) : kMetersAndNewtons; !units.empty()) {
@@ -211,7 +209,6 @@ class UnvWriter {
 
   FileWriter& file_;
   const TetMesh& mesh_;
-  std::size_t vertices_;
   const Middles* middles_;
   const IoContext& context_;
   backend::Cpu cpu_;
@@ -233,10 +230,8 @@ void write_unv(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
   warn_of_lists(mesh, context);
   warn_of_point_tags(mesh, context);
   warn_of_data_but_node_sets(mesh, context);
-  if (!mesh.second_order) return UnvWriter(file, mesh, mesh.points.size(), nullptr, context).write();
-  TetMesh with_middles = mesh;
-  const Middles middles(with_middles);
-  UnvWriter(file, with_middles, mesh.points.size(), &middles, context).write();
+  write_with_middles(mesh, MiddlesOf::all,
+                     [&](const TetMesh& m, const Middles* middles) { UnvWriter(file, m, middles, context).write(); });
 }
 
 }  // namespace tetune
