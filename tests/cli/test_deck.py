@@ -174,7 +174,7 @@ class Decks(CliTest):
         for text, said in (
                 ("1 2 3\n", "no keyword lines"), ("*NODE\n1, 0., x, 0.\n", "a.inp:2: expected a coordinate, found \"x\""),
                 ("*NODE\n\n1.5, 0., 0.\n", "a.inp:3: expected the number of a node, found \"1.5\""),
-                (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3\n", "a.inp:7: the element has fewer than 4 nodes"),
+                (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3\n", "a.inp:7: element 1 has 3 nodes instead of 4"),
                 (head + "*ELEMENT\n1, 1, 2, 3, 4\n", "a.inp:6: *ELEMENT has no TYPE"),
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D10\n", "use one of both kinds in a deck"),
                 (head + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 9\n", "a.inp:7: element 1 has the node 9, which is not defined"),

@@ -87,7 +87,7 @@ TEST_F(InpMiddles, DamagedElementsAreRefused) {
   refused("5, 12, 13, 14, 31", "5, 12, 13, 14, 32", "node 32 is a mid-side node of the edge");
   refused("5, 12, 13, 14, 31", "5, 31, 13, 14, 12", "the edge between node 2 and node 3, which has another one");
   refused("1, 1, 2, 3, 4, 21", "1, 1, 2, 3, 4, 5", "and also a vertex or on another edge");
-  refused("31, 32, 33\n", "31, 32\n", "the element has fewer than 10 nodes");
+  refused("31, 32, 33\n", "31, 32\n", "a.inp:19: element 2 has 9 nodes instead of 10");
   refused("*ELEMENT", "*ELEMENT, TYPE=B31\n9, 1, 21\n*ELEMENT", "node 21 is a mid-side node and a vertex of another");
 }
 

@@ -110,6 +110,29 @@ TEST_F(Inp, LinesAreCountedOverContinuedOnes) {
   EXPECT_TRUE(contains(read_error(put("a.inp", kTwoTets + cards + "10, x\n")), "a.inp:18: "));
 }
 
+TEST_F(Inp, AnElementWithANodeTooFewIsNamedWithItsLine) {
+  const std::string hexes = "*ELEMENT, TYPE=C3D8\n7, 10, 20, 30, 40, 10, 20, 30";
+  const std::string next = "\n8, 10, 20, 30, 40, 10, 20, 30, 40\n";
+  const std::string head = kTwoTets.substr(0, kTwoTets.find("*ELEMENT"));
+  for (const auto& [elements, said] : std::vector<std::pair<std::string, std::string>>{
+           {"*ELEMENT, TYPE=C3D4\n7, 10, 20, 30\n8, 10, 20, 30, 40\n", "a.inp:8: element 7 has 3 nodes instead of 4"},
+           {"*ELEMENT, TYPE=C3D4\n7, 10, 20, 30,\n8, 10, 20, 30, 40\n",
+            "a.inp:8: element 7 has fewer than 4 nodes before line 9, which has more numbers than it lacks"},
+           {"*ELEMENT, TYPE=C3D4\n7, 10, 20, 30,\n** c\n*STEP\n", "a.inp:8: element 7 has 3 nodes instead of 4"},
+           {"*ELEMENT, TYPE=C3D4\n7, 10, 20, 30,\n", "a.inp:8: element 7 has 3 nodes instead of 4"},
+           // Without a comma, too: elements of many nodes may continue without one.
+           {hexes + next, "a.inp:8: element 7 has fewer than 8 nodes before line 9"},
+           {hexes + "," + next, "a.inp:8: element 7 has fewer than 8 nodes before line 9"},
+           {hexes + "\n** c\n*STEP\n", "a.inp:8: element 7 has 7 nodes instead of 8"},
+           {hexes, "a.inp:8: element 7 has 7 nodes instead of 8"}}) {
+    const std::string error = read_error(put("a.inp", head + elements));
+    EXPECT_TRUE(contains(error, said)) << error;
+  }
+  // More numbers in the line of an element are ignored.
+  const TetMesh m = read_mesh(put("a.inp", kTwoTets + "*ELEMENT, TYPE=S3\n9, 10, 20, 30, 5, 6\n"), nullptr, 1);
+  EXPECT_EQ(m.triangles, (std::vector<std::array<Index, 3>>{{0, 1, 2}}));
+}
+
 TEST_F(Inp, AnAuxiliarySetMayHaveTwoCards) {
   const std::string cards = "*ELSET, ELSET=F\n7\n*ELSET, ELSET=F\n800000000000000000\n*SURFACE, NAME=S\nF, S2\n";
   const TetMesh m = read_mesh(put("a.inp", kTwoTets + cards), nullptr, 1);

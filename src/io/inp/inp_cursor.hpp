@@ -35,8 +35,11 @@ class InpCursor {
 
   const char* at() const { return at_; }
   bool at_end() const { return at_ >= end_; }
+  std::int64_t line() const { return line_; }
   InpPlace place() const { return {file_, line_}; }
   [[noreturn]] void fail(const std::string& text) const { place().fail(text); }
+  /// Throws FileError for an earlier line of the same file.
+  [[noreturn]] void fail_at(std::int64_t line, const std::string& text) const { InpPlace{file_, line}.fail(text); }
 
   Line line_kind() const {
     const char* p = at_;

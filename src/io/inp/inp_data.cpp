@@ -35,6 +35,25 @@ void check_count(const InpCursor& cursor, std::size_t n, Index max) {
     cursor.fail("the deck has " + excess);
 }
 
+/// The first line of an element, and its number.
+struct ElementStart {
+  std::int64_t line, label;
+};
+
+[[noreturn]] void fail_count(const InpCursor& cursor, const ElementStart& element, std::size_t found,
+                             std::size_t expected) {
+  cursor.fail_at(element.line, "element " + std::to_string(element.label) + " has " + std::to_string(found) +
+                                   " nodes instead of " + std::to_string(expected));
+}
+
+/// Refuses an element that continues in a line with more numbers than it lacks: that is the line of another element.
+void check_last_line(InpCursor& cursor, const ElementStart& element, std::size_t expected) {
+  if (cursor.line() == element.line || cursor.line_done()) return;
+  cursor.fail_at(element.line, "element " + std::to_string(element.label) + " has fewer than " +
+                                   std::to_string(expected) + " nodes before line " + std::to_string(cursor.line()) +
+                                   ", which has more numbers than it lacks; complete the element");
+}
+
 void add_element(InpScan& scan, std::int64_t label, Index tet, Index set) {
   scan.model.element_labels.push_back(label);
   scan.model.element2tet.push_back(tet);
@@ -61,31 +80,32 @@ void read_inp_nodes(InpCursor& cursor, InpModel& model) {
 void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan) {
   InpModel& model = scan.model;
   const Index card = to_index(model.tet_cards.size() - 1);
+  const std::size_t expected = to_size_t(scan.nodes_per_tet);
   while (!cursor.at_end() && cursor.line_kind() == InpCursor::Line::data) {
     model.tet_lines.push_back(cursor.at());
-    const std::int64_t label = cursor.label("number of an element");
-    for (int k = 0; k < scan.nodes_per_tet; ++k) {
-      if (!cursor.take_comma()) {
-        cursor.fail("the element has fewer than " + std::to_string(scan.nodes_per_tet) + " nodes");
-      }
+    const ElementStart element{cursor.line(), cursor.label("number of an element")};
+    for (std::size_t k = 0; k < expected; ++k) {
+      if (!cursor.take_comma()) fail_count(cursor, element, k, expected);
       if (cursor.line_done() && !cursor.at_end()) {
         cursor.end_line();
         cursor.skip_comments();
+        if (cursor.at_end() || cursor.line_kind() != InpCursor::Line::data) fail_count(cursor, element, k, expected);
       }
       scan.tet_node_labels.push_back(cursor.label("number of a node"));
     }
     cursor.take_comma();
+    check_last_line(cursor, element, expected);
     cursor.end_line();
     model.tet2element.push_back(to_index(model.element_labels.size()));
     model.tet2card.push_back(card);
-    add_element(scan, label, to_index(model.tet2element.size() - 1), set);
+    add_element(scan, element.label, to_index(model.tet2element.size() - 1), set);
   }
   check_count(cursor, model.tet2element.size(), kMaxTets);
 }
 
 void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan) {
   const char* const line = cursor.at();
-  const std::int64_t label = cursor.label("number of an element");
+  const ElementStart element{cursor.line(), cursor.label("number of an element")};
   const std::size_t first = scan.other_nodes.size();
   const std::size_t expected = to_size_t(type.nodes);
   std::size_t n = 0;
@@ -100,15 +120,15 @@ void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, In
     const std::int64_t node = cursor.label_or_zero("number of a node");
     if (node != 0) scan.other_nodes.push_back(node);  // network elements have 0 for no node
     if (++n != expected) continue;
+    cursor.take_comma();
+    check_last_line(cursor, element, expected);
     cursor.take_line();  // both programs ignore more numbers
     break;
   }
-  if (type.role != InpElementType::Role::unknown && scan.other_nodes.size() - first != expected) {
-    cursor.fail("element " + std::to_string(label) + " has " + std::to_string(scan.other_nodes.size() - first) +
-                " nodes instead of " + std::to_string(expected));
-  }
+  const std::size_t found = scan.other_nodes.size() - first;
+  if (type.role != InpElementType::Role::unknown && found != expected) fail_count(cursor, element, found, expected);
   scan.others.push_back({to_index(scan.model.element_labels.size()), type, first, scan.other_nodes.size(), line});
-  add_element(scan, label, -1, set);
+  add_element(scan, element.label, -1, set);
   check_count(cursor, scan.other_nodes.size(), kMaxEntries);
 }
 
