@@ -173,6 +173,30 @@ TEST_F(Unv, NumbersOfGroupsDiffer) {
   EXPECT_TRUE(warned("the group \"two?lines \" is written as two?lines"));
 }
 
+TEST_F(Unv, GroupsThatAreNamedLikeThoseOfTagsKeepTheirNumbers) {
+  const std::string elements =
+      "         1        91         7         7         7         3\n         1         2         3\n"
+      "         2        91         8         8         7         3\n         1         2         4\n"
+      "         3       111         7         7         7         4\n         1         2         3         4\n";
+  const auto group = [](const std::string& number, const std::string& name, const std::string& element) {
+    return std::string(10 - number.size(), ' ') + number +
+           "         0         0         0         0         0         0         1\n" + name + "\n         8         " +
+           element + "         0         0\n";
+  };
+  for (const std::vector<std::string>& groups : {std::vector{group("12", "Volume7", "3"), group("9", "Surface8", "2")},
+                                                 std::vector{group("7", "inlet", "2"), group("1", "Surface7", "1")},
+                                                 std::vector{group("7", "inlet", "2"), group("12", "Volume7", "3")}}) {
+    const TetMesh m = read(kUnvNodes + unv_set("2412", elements) + unv_set("2467", groups[0] + groups[1]));
+    EXPECT_EQ(m.tet_tags, std::vector<int>{7});
+    EXPECT_EQ(m.triangle_tags, (std::vector<int>{7, 8}));
+    write_mesh(path("b.unv"), m, 1);
+    const std::string written = get("b.unv");
+    for (const std::string& record : groups) EXPECT_TRUE(contains(written, record)) << record << written;
+    write_mesh(path("c.unv"), read_mesh(path("b.unv"), nullptr, 1), 1);
+    EXPECT_EQ(get("c.unv"), written);
+  }
+}
+
 TEST_F(Unv, NumbersThatTheFormatCannotHave) {
   TetMesh m = one_tet();
   m.deck_nodes = {1, 2, 3, 1'000'000'000};

@@ -51,7 +51,7 @@ class UnvGroupWriter {
       }
       const std::string name = group.name.empty() ? name_of(group.dimension, group.number) : group.name;
       if (is_of_tag(group, name)) {
-        of_tags_.emplace(group.dimension, group.tags[0]);
+        tag2number_.emplace(std::pair{group.dimension, group.tags[0]}, group.number);
         continue;
       }
       UnvWrittenGroup& added = group_of(group.number, name);
@@ -75,14 +75,16 @@ class UnvGroupWriter {
       added->in_set = &in_set;
     }
   }
-  /// Adds a group for each tag that is in none: programs that do not read the numbers of properties, such as Salome,
-  /// find the elements of a tag by its group.
+  /// Adds a group for each tag that is in none or only in one that is named for it: programs that do not read the
+  /// numbers of properties, such as Salome, find the elements of a tag by its group.
   void add_groups_of_tags() {
     for (int dimension = 3; dimension > 0; --dimension) {
       for (const auto& [tag, property] : properties_[to_size_t(dimension)]) {
         const std::pair<int, int> key{dimension, tag};
-        if (!of_tags_.contains(key) && (tag == 0 || grouped_.contains(key))) continue;
-        list_.push_back({property, name_of(dimension, property), {{dimension, tag}}, nullptr});
+        const auto known = tag2number_.find(key);
+        if (known == tag2number_.end() && (tag == 0 || grouped_.contains(key))) continue;
+        const int number = known == tag2number_.end() ? property : known->second;
+        list_.push_back({number, name_of(dimension, property), {{dimension, tag}}, nullptr});
       }
     }
   }
@@ -118,7 +120,9 @@ class UnvGroupWriter {
   const std::array<std::map<int, int>, 4>& properties_;
   const IoContext& context_;
   std::vector<UnvWrittenGroup> list_;
-  std::set<std::pair<int, int>> grouped_, of_tags_;  ///< dimensions and tags
+  std::set<std::pair<int, int>> grouped_;  ///< dimensions and tags
+  /// The numbers of the groups of the mesh that add_groups_of_tags() adds, by dimension and tag.
+  std::map<std::pair<int, int>, int> tag2number_;
 };
 
 }  // namespace

@@ -45,6 +45,35 @@ void number_dimension(const std::vector<UnvClass>& classes, const std::vector<st
   for (const UnvClass* const c : last) class2tag[*c] = free_numbers.take_lowest();
 }
 
+/// Whether a group is named for its only tag, as the writer names the groups of tags.
+bool is_named_for_tag(const Group& group) {
+  return group.tags.size() == 1 &&
+         group.name == kUnvTagNames[to_size_t(group.dimension)] + std::to_string(group.tags[0]);
+}
+
+/// Finds the groups of tags to which the writer gave other numbers than the tags, as other groups have these: the
+/// lowest free ones. `own`: the numbers of the groups in the file.
+std::vector<std::uint8_t> find_displaced(const std::vector<Group>& groups, const std::vector<std::int64_t>& own) {
+  std::vector<std::uint8_t> is_displaced(groups.size(), 0);
+  const std::set<std::int64_t> of_file(own.begin(), own.end());
+  std::set<std::int64_t> displaced;
+  std::set<int> others;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const bool is_other = !is_named_for_tag(groups[i]) || own[i] == groups[i].tags[0];
+    if (!is_other && of_file.contains(groups[i].tags[0])) {
+      is_displaced[i] = 1;
+      displaced.insert(own[i]);
+    } else if (is_tag(own[i])) {
+      others.insert(int(own[i]));
+    }
+  }
+  FreeNumbers free_numbers(std::move(others));
+  for (const std::int64_t number : displaced) {
+    if (number != free_numbers.take_lowest()) return std::vector<std::uint8_t>(groups.size(), 0);
+  }
+  return is_displaced;
+}
+
 }  // namespace
 
 std::map<UnvClass, int> tags_of_unv_classes(const std::vector<UnvClass>& classes,
@@ -81,27 +110,21 @@ std::vector<Group> unv_groups(const std::map<UnvClass, int>& class2tag, const st
   for (const auto& [c, tag] : class2tag) {
     for (const std::int32_t group : c.groups) tags[{group, c.dimension}].insert(tag);
   }
-  std::array<std::set<int>, 4> in_use;
-  const auto is_of_tag = [&](std::int32_t group, int dimension, const std::set<int>& of) {
-    return of.size() == 1 && span_of(names)[group] == kUnvTagNames[to_size_t(dimension)] + std::to_string(*of.begin());
-  };
   std::vector<Group> groups;
+  std::vector<std::int64_t> own;
   for (const auto& [key, of] : tags) {
-    const auto& [group, dimension] = key;
-    Group& added = groups.emplace_back(Group{dimension, 0, span_of(names)[group], {of.begin(), of.end()}});
-    // The group of one tag has its number: other formats have the number of a group as the tag.
-    if (is_of_tag(group, dimension, of) && in_use[to_size_t(dimension)].insert(*of.begin()).second) {
-      added.number = *of.begin();
-    }
+    groups.push_back({key.second, 0, span_of(names)[key.first], {of.begin(), of.end()}});
+    own.push_back(span_of(numbers)[key.first]);
   }
-  auto added = groups.begin();
-  for (const auto& [key, of] : tags) {
-    const std::int64_t number = span_of(numbers)[key.first];
-    if (added->number == 0 && is_tag(number) && in_use[to_size_t(key.second)].insert(int(number)).second) {
-      added->number = int(number);
-    }
-    ++added;
-  }
+  const std::vector<std::uint8_t> is_displaced = find_displaced(groups, own);
+  std::array<std::set<int>, 4> in_use;
+  const auto number = [&](Group& group, std::int64_t wanted) {
+    if (group.number != 0 || !is_tag(wanted)) return;
+    if (in_use[to_size_t(group.dimension)].insert(int(wanted)).second) group.number = int(wanted);
+  };
+  for (std::size_t i = 0; i < groups.size(); ++i) number(groups[i], is_displaced[i] != 0 ? 0 : own[i]);
+  for (std::size_t i = 0; i < groups.size(); ++i) number(groups[i], is_displaced[i] != 0 ? groups[i].tags[0] : 0);
+  for (std::size_t i = 0; i < groups.size(); ++i) number(groups[i], own[i]);
   std::array<FreeNumbers, 4> free_numbers{FreeNumbers(in_use[0]), FreeNumbers(in_use[1]), FreeNumbers(in_use[2]),
                                           FreeNumbers(in_use[3])};
   for (Group& group : groups) {

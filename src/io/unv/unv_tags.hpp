@@ -32,7 +32,8 @@ std::map<UnvClass, int> tags_of_unv_classes(const std::vector<UnvClass>& classes
 std::size_t count_changed_properties(const std::map<UnvClass, int>& class2tag);
 
 /// The groups of a mesh with these classes, one for each dimension of each group of the file. `names` and `numbers` are
-/// those of the groups of the file.
+/// those of the groups of the file, which they keep. But a group that the writer named for a tag, and could not give
+/// this number, has it: other formats keep the number of a group as the tag.
 std::vector<Group> unv_groups(const std::map<UnvClass, int>& class2tag, const std::vector<std::string>& names,
                               const std::vector<std::int64_t>& numbers);
 
