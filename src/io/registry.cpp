@@ -18,9 +18,6 @@
 namespace tetune {
 namespace {
 
-constexpr const char* kNoPeriodic = ": the format cannot hold periodic links";
-constexpr const char* kNoNumbers = ": the format cannot hold the numbers of nodes: they are numbered in their order";
-
 /// Whether the vertices have numbers other than their positions. An inserted one, which is the last, has 0.
 bool has_own_numbers(const TetMesh& mesh) {
   for (std::size_t v = 0; v < mesh.deck_nodes.size(); ++v) {
@@ -29,9 +26,16 @@ bool has_own_numbers(const TetMesh& mesh) {
   return false;
 }
 
-void warn_of_unit(const std::string& path, const TetMesh& mesh, const IoContext& context) {
+/// Warns of what the format of a file does not hold, beside elements, tags and data.
+void warn_of_lost_contents(const std::string& path, const TetMesh& mesh, const Format::Holds& holds,
+                           const IoContext& context) {
+  if (!mesh.periodic.empty() && !holds.periodic_links) context.warn(path + ": the format cannot hold periodic links");
+  if (mesh.deck != nullptr && !holds.deck) context.warn(path + ": " + lost_deck(mesh));
+  if (mesh.deck == nullptr && !holds.node_numbers && has_own_numbers(mesh)) {
+    context.warn(path + ": the format cannot hold the numbers of nodes: they are numbered in their order");
+  }
   const std::string unit = unv_length_unit(mesh);
-  if (unit.empty()) return;
+  if (unit.empty() || holds.length_unit) return;
   context.warn(path + ": the format cannot hold the unit of length: coordinates are in that of the input, the " + unit);
 }
 
@@ -149,24 +153,39 @@ const std::vector<Format>& formats() {
        .parts = vtk_pieces},
       {.name = "VTK legacy", .endings = {".vtk"}, .plugin = &kVtkPlugin},
       {.name = "Exodus", .endings = {".e", ".ex2", ".exo"}, .plugin = &kVtkPlugin, .has_times = true},
-      {.name = "Gmsh", .endings = {".msh"}, .read = read_msh, .write = write_file<write_msh>},
+      {.name = "Gmsh",
+       .endings = {".msh"},
+       .read = read_msh,
+       .write = write_file<write_msh>,
+       .holds = {.periodic_links = true}},
       {.name = "Abaqus, CalculiX",
        .endings = {".inp"},
        .read = read_inp,
        .write = write_file<write_inp>,
+       .holds = {.deck = true},
        .parts = included_inp_files},
       {.name = "SU2", .endings = {".su2"}, .read = read_su2, .write = write_file<write_su2>},
-      {.name = "Netgen", .endings = {".vol"}, .read = read_netgen, .write = write_file<write_netgen>},
+      {.name = "Netgen",
+       .endings = {".vol"},
+       .read = read_netgen,
+       .write = write_file<write_netgen>,
+       .holds = {.periodic_links = true}},
       {.name = "Netgen, compressed",
        .endings = {".vol.gz"},
        .read = read_netgen,
-       .write = write_file<write_netgen_compressed>},
+       .write = write_file<write_netgen_compressed>,
+       .holds = {.periodic_links = true}},
       {.name = "Nastran",
        .endings = {".bdf", ".nas"},
        .read = read_nastran,
        .write = write_file<write_nastran>,
+       .holds = {.node_numbers = true},
        .parts = included_nastran_files},
-      {.name = "I-deas universal", .endings = {".unv"}, .read = read_unv, .write = write_file<write_unv>},
+      {.name = "I-deas universal",
+       .endings = {".unv"},
+       .read = read_unv,
+       .write = write_file<write_unv>,
+       .holds = {.node_numbers = true, .length_unit = true}},
       {.name = "MED", .endings = {".med"}, .plugin = &kGmshPlugin, .is_optional = true},
       {.name = "CGNS", .endings = {".cgns"}, .plugin = &kGmshPlugin, .is_optional = true},
   };
@@ -262,15 +281,7 @@ void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::
   check_writable(path);
   check_arrays(path, mesh);
   const IoContext context{threads, warnings};
-  const bool is_netgen =
-      format.write == write_file<write_netgen> || format.write == write_file<write_netgen_compressed>;
-  if (!mesh.periodic.empty() && format.write != write_file<write_msh> && !is_netgen) context.warn(path + kNoPeriodic);
-  if (mesh.deck != nullptr && format.write != write_file<write_inp>) context.warn(path + ": " + lost_deck(mesh));
-  const bool is_unv = format.write == write_file<write_unv>;
-  if (mesh.deck == nullptr && format.write != write_file<write_nastran> && !is_unv && has_own_numbers(mesh)) {
-    context.warn(path + kNoNumbers);
-  }
-  if (!is_unv) warn_of_unit(path, mesh, context);
+  warn_of_lost_contents(path, mesh, format.holds, context);
   if (format.write != nullptr) {
     std::vector<std::string> losses;
     try {
@@ -293,10 +304,7 @@ void write_mesh(int descriptor, const std::string& name, bool binary, const TetM
                 std::vector<std::string>* warnings) {
   check_arrays(name, mesh);
   const IoContext context{threads, warnings};
-  if (!mesh.periodic.empty()) context.warn(name + kNoPeriodic);
-  if (mesh.deck != nullptr) context.warn(name + ": " + lost_deck(mesh));
-  if (mesh.deck == nullptr && has_own_numbers(mesh)) context.warn(name + kNoNumbers);
-  warn_of_unit(name, mesh, context);
+  warn_of_lost_contents(name, mesh, {}, context);
   std::vector<std::string> losses;
   FileWriter file(descriptor, name);
   (binary ? write_medit_binary : write_medit_text)(file, mesh, {threads, &losses});

@@ -45,6 +45,11 @@ struct Format {
   bool is_set = false;
   /// Whether a file may have values for several times, of one mesh.
   bool has_times = false;
+  /// What else than a mesh's elements, tags and data a file can hold.
+  struct Holds {
+    bool periodic_links = false, node_numbers = false, deck = false, length_unit = false;
+  };
+  Holds holds{};
   /// The files that a file names and that are read with it; null: none.
   std::vector<std::string> (*parts)(const std::string& path) = nullptr;
   bool has_ending(const std::string& ending) const {
