@@ -2,7 +2,6 @@
 // SU2's native meshes (.su2): the SU2 documentation, "Mesh File".
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -24,20 +23,20 @@ namespace {
 constexpr int kTriangle = 5;
 constexpr int kTetrahedron = 10;
 
-/// A kind of other elements, by its number in VTK, in which order its vertices are.
-/// The list of a file that an element is in.
+/// The list of a file that an element is in: the solids, or a marker of the boundary.
 enum class Su2List : std::uint8_t { solids, marker };
 
+/// A kind of ElementBlock and its type in VTK, whose order of vertices SU2 has.
 struct Su2Kind {
   int type;
   const char* kind;
   int vertices;
   Su2List list;
 };
-constexpr std::array<Su2Kind, 4> kKinds{{{9, "Quadrilaterals", 4, Su2List::marker},
-                                         {12, "Hexahedra", 8, Su2List::solids},
-                                         {13, "Prisms", 6, Su2List::solids},
-                                         {14, "Pyramids", 5, Su2List::solids}}};
+constexpr std::array<Su2Kind, 4> kSu2Kinds{{{9, "Quadrilaterals", 4, Su2List::marker},
+                                            {12, "Hexahedra", 8, Su2List::solids},
+                                            {13, "Prisms", 6, Su2List::solids},
+                                            {14, "Pyramids", 5, Su2List::solids}}};
 
 class Su2Reader {
  public:
@@ -161,8 +160,9 @@ class Su2Reader {
   }
 
   void read_other(std::int64_t type, Su2List list) {
-    const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [type](const Su2Kind& k) { return k.type == type; });
-    if (kind == kKinds.end() || kind->list != list) {
+    const auto kind =
+        std::find_if(kSu2Kinds.begin(), kSu2Kinds.end(), [type](const Su2Kind& k) { return k.type == type; });
+    if (kind == kSu2Kinds.end() || kind->list != list) {
       cursor_.fail("elements of type " + std::to_string(type) + " cannot be " +
                    (list == Su2List::marker ? "in a marker" : "solids"));
     }
@@ -193,6 +193,19 @@ class Su2Reader {
   std::set<std::string> skipped_;
 };
 
+const Su2Kind* find_su2_kind(std::string_view block) {
+  const auto kind =
+      std::find_if(kSu2Kinds.begin(), kSu2Kinds.end(), [block](const Su2Kind& k) { return k.kind == block; });
+  return kind == kSu2Kinds.end() ? nullptr : &*kind;
+}
+
+/// A triangle or quadrilateral of a marker.
+struct Su2Face {
+  int type;
+  std::array<Index, 4> vertices;
+  std::size_t size() const { return type == kTriangle ? 3 : 4; }
+};
+
 /// The elements of a mesh by markers: one per group of triangles, and one per other tag.
 class Su2Markers {
  public:
@@ -201,30 +214,31 @@ class Su2Markers {
     for (const Group* const group : specific_first(mesh, 2)) {
       const std::string name = marker_of(group->name.empty() ? "patch" + std::to_string(group->number) : group->name);
       for (const int tag : group->tags) is_shared_ |= !names_.emplace(tag, name).second;
-      if (std::find(empty.begin(), empty.end(), group) != empty.end()) lines_[name];
+      if (std::find(empty.begin(), empty.end(), group) != empty.end()) faces_[name];
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto& [a, b, c] = mesh.triangles[i];
-      add(mesh.triangle_tags[i], {kTriangle, a, b, c});
+      add(mesh.triangle_tags[i], {kTriangle, {a, b, c}});
     }
     for (const ElementBlock& block : mesh.others) {
-      if (block.kind != std::string_view(kKinds[0].kind)) continue;
+      if (block.kind != std::string_view(kSu2Kinds[0].kind)) continue;
       for (std::size_t i = 0; i < block.tags.size(); ++i) {
         const Index* const v = block.element2vertex.data() + 4 * i;
-        add(block.tags[i], {kKinds[0].type, v[0], v[1], v[2], v[3]});
+        add(block.tags[i], {kSu2Kinds[0].type, {v[0], v[1], v[2], v[3]}});
       }
     }
   }
-  const std::map<std::string, std::vector<std::vector<Index>>>& lines() const { return lines_; }
+  const std::map<std::string, std::vector<Su2Face>>& faces() const { return faces_; }
   /// Whether a tag is in several groups; its elements are in the marker of that with the fewest tags.
   bool is_shared() const { return is_shared_; }
 
  private:
-  void add(int tag, std::vector<Index> line) {
+  void add(int tag, const Su2Face& face) {
     auto name = names_.find(tag);
-    if (name == names_.end())
+    if (name == names_.end()) {
       name = names_.emplace(tag, marker_of("patch" + std::to_string(tag), MarkerOf::single_tag)).first;
-    lines_[name->second].push_back(std::move(line));
+    }
+    faces_[name->second].push_back(face);
   }
   enum class MarkerOf : std::uint8_t { group, single_tag };
   /// The marker of a name, in which SU2 reads no blanks and no comment; two names have two markers, and a tag that is
@@ -244,19 +258,18 @@ class Su2Markers {
   const IoContext& context_;
   std::map<int, std::string> names_;
   std::map<std::string, std::pair<std::string, MarkerOf>> marker2owner_;
-  std::map<std::string, std::vector<std::vector<Index>>> lines_;
+  std::map<std::string, std::vector<Su2Face>> faces_;
   bool is_shared_ = false;
 };
 
 void warn_of_losses_in_su2(const TetMesh& mesh, const IoContext& context) {
-  std::vector<int> regions = mesh.tet_tags;
-  for (const ElementBlock& block : mesh.others) {
-    const auto kind =
-        std::find_if(kKinds.begin(), kKinds.end(), [&](const Su2Kind& k) { return k.kind == block.kind; });
-    if (kind == kKinds.end() || kind->list != Su2List::solids) continue;
-    std::copy_if(block.tags.begin(), block.tags.end(), std::back_inserter(regions), [](int tag) { return tag != 0; });
+  const auto has_region = [](const ElementBlock& block) {
+    const Su2Kind* const kind = find_su2_kind(block.kind);
+    return kind != nullptr && kind->list == Su2List::solids && has_tag(block.tags);
+  };
+  if (has_tag(mesh.tet_tags) || std::any_of(mesh.others.begin(), mesh.others.end(), has_region)) {
+    context.warn("the format cannot hold regions: tags of tetrahedra and other solids are lost");
   }
-  if (has_tag(regions)) context.warn("the format cannot hold regions: tags of tetrahedra and other solids are lost");
   const auto is_lost = [](const Group& group) { return group.dimension != 2 && !group.name.empty(); };
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), is_lost)) {
     context.warn("the format cannot hold the names of groups other than those of triangles");
@@ -280,10 +293,9 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
   warn_of_losses_in_su2(mesh, context);
   std::size_t solids = mesh.tets.size();
   for (const ElementBlock& block : mesh.others) {
-    const auto kind =
-        std::find_if(kKinds.begin(), kKinds.end(), [&block](const Su2Kind& k) { return k.kind == block.kind; });
-    if (kind != kKinds.end() && kind->list == Su2List::solids) solids += block.tags.size();
-    if (kind == kKinds.end()) context.warn("the format cannot hold elements of kind " + block.kind);
+    const Su2Kind* const kind = find_su2_kind(block.kind);
+    if (kind != nullptr && kind->list == Su2List::solids) solids += block.tags.size();
+    if (kind == nullptr) context.warn("the format cannot hold elements of kind " + block.kind);
   }
   LineWriter out(file, context.threads);
   out.text("NDIME= 3\nNELEM= " + std::to_string(solids) + "\n");
@@ -294,14 +306,13 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
     for (const Index v : tet) entry.integer(v);
   });
   for (const ElementBlock& block : mesh.others) {
-    for (const Su2Kind& kind : kKinds) {
-      if (kind.list != Su2List::solids || kind.kind != block.kind) continue;
-      out.lines(block.tags.size(), [&](auto& entry, std::size_t i) {
-        entry.integer(kind.type);
-        const std::size_t n = to_size_t(kind.vertices);
-        for (std::size_t k = 0; k < n; ++k) entry.integer(block.element2vertex[n * i + k]);
-      });
-    }
+    const Su2Kind* const kind = find_su2_kind(block.kind);
+    if (kind == nullptr || kind->list != Su2List::solids) continue;
+    out.lines(block.tags.size(), [&](auto& entry, std::size_t i) {
+      entry.integer(kind->type);
+      const std::size_t n = to_size_t(kind->vertices);
+      for (std::size_t k = 0; k < n; ++k) entry.integer(block.element2vertex[n * i + k]);
+    });
   }
   out.text("NPOIN= " + std::to_string(mesh.points.size()) + "\n");
   out.lines(mesh.points.size(), [&](auto& entry, std::size_t v) {
@@ -310,11 +321,12 @@ void write_su2(FileWriter& file, const TetMesh& mesh, const IoContext& context) 
   const Su2Markers markers(mesh, context);
   if (markers.is_shared())
     context.warn("a triangle can be in one marker only: it is in that of its group with the fewest tags");
-  out.text("NMARK= " + std::to_string(markers.lines().size()) + "\n");
-  for (const auto& [name, lines] : markers.lines()) {
-    out.text("MARKER_TAG= " + name + "\nMARKER_ELEMS= " + std::to_string(lines.size()) + "\n");
-    out.lines(lines.size(), [&, &elements = lines](auto& entry, std::size_t i) {
-      for (const Index v : elements[i]) entry.integer(v);
+  out.text("NMARK= " + std::to_string(markers.faces().size()) + "\n");
+  for (const auto& [name, faces] : markers.faces()) {
+    out.text("MARKER_TAG= " + name + "\nMARKER_ELEMS= " + std::to_string(faces.size()) + "\n");
+    out.lines(faces.size(), [&elements = faces](auto& entry, std::size_t i) {
+      entry.integer(elements[i].type);
+      for (std::size_t k = 0; k < elements[i].size(); ++k) entry.integer(elements[i].vertices[k]);
     });
   }
 }

@@ -17,16 +17,17 @@
 namespace tetune {
 namespace {
 
-struct Kind {
+/// A kind of ElementBlock and the types with which its elements are written.
+struct InpWrittenKind {
   const char* kind;
   const char* type;
   const char* second_order_type;  ///< null: neither program has one
   int dimension;
 };
-constexpr std::array<Kind, 4> kKinds{{{"Pyramids", "C3D5", nullptr, 3},
-                                      {"Prisms", "C3D6", "C3D15", 3},
-                                      {"Hexahedra", "C3D8", "C3D20", 3},
-                                      {"Quadrilaterals", "S4", "S8R", 2}}};
+constexpr std::array<InpWrittenKind, 4> kInpKinds{{{"Pyramids", "C3D5", nullptr, 3},
+                                                   {"Prisms", "C3D6", "C3D15", 3},
+                                                   {"Hexahedra", "C3D8", "C3D20", 3},
+                                                   {"Quadrilaterals", "S4", "S8R", 2}}};
 
 /// A face of a tetrahedron in a patch.
 struct PatchFace {
@@ -120,9 +121,9 @@ class InpPlainWriter {
   }
   void write_block(const ElementBlock& block) {
     if (block.kind == kPoints) return context_.warn("elements of one vertex are not written");
-    const auto kind =
-        std::find_if(kKinds.begin(), kKinds.end(), [&block](const Kind& k) { return block.kind == k.kind; });
-    if (kind == kKinds.end()) throw FileError("a deck has no type for elements of kind " + block.kind);
+    const auto kind = std::find_if(kInpKinds.begin(), kInpKinds.end(),
+                                   [&block](const InpWrittenKind& k) { return block.kind == k.kind; });
+    if (kind == kInpKinds.end()) throw FileError("a deck has no type for elements of kind " + block.kind);
     const std::span<const Pair> edges = middle_edges(mesh_, block, MiddleOrder::base_top_between);
     const char* const type = edges.empty() ? kind->type : kind->second_order_type;
     if (type == nullptr) {

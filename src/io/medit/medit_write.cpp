@@ -85,12 +85,6 @@ class BinaryWriter {
   std::int64_t position_ = 0;
 };
 
-/// The tetrahedra of a mesh whose file listed them inside out, in the orientation of the file.
-std::vector<std::array<Index, 4>> as_listed(std::vector<std::array<Index, 4>> tets) {
-  for (auto& tet : tets) std::swap(tet[2], tet[3]);
-  return tets;
-}
-
 template <class Writer>
 void write_elements(Writer& out, const MeditSection& section, const Index* element2vertex,
                     const std::vector<int>& tags) {
@@ -99,6 +93,18 @@ void write_elements(Writer& out, const MeditSection& section, const Index* eleme
   out.list(section, tags.size(), 0, section.vertices + 1, [&](auto& entry, std::size_t i) {
     for (const Index v : std::span(element2vertex + i * vertices, vertices)) entry.integer(v + 1);
     entry.integer(tags[i]);
+  });
+}
+
+/// Writes the tetrahedra in the orientation of the input.
+template <class Writer>
+void write_tets(Writer& out, const TetMesh& mesh) {
+  if (mesh.tets.empty()) return;
+  out.list(kMeditTetrahedra, mesh.tets.size(), 0, kMeditTetrahedra.vertices + 1, [&](auto& entry, std::size_t t) {
+    std::array<Index, 4> tet = mesh.tets[t];
+    if (mesh.listed_inside_out) std::swap(tet[2], tet[3]);
+    for (const Index v : tet) entry.integer(v + 1);
+    entry.integer(mesh.tet_tags[t]);
   });
 }
 
@@ -142,11 +148,7 @@ void write_sections(Writer& out, const TetMesh& mesh) {
   });
   write_elements(out, kMeditEdges, flat(mesh.edges), mesh.edge_tags);
   write_elements(out, kMeditTriangles, flat(mesh.triangles), mesh.triangle_tags);
-  if (mesh.listed_inside_out) {
-    write_elements(out, kMeditTetrahedra, flat(as_listed(mesh.tets)), mesh.tet_tags);
-  } else {
-    write_elements(out, kMeditTetrahedra, flat(mesh.tets), mesh.tet_tags);
-  }
+  write_tets(out, mesh);
   std::vector<ElementBlock> joined;
   for (const ElementBlock& block : blocks_by_kind(mesh, joined)) {
     if (is_points(block)) continue;

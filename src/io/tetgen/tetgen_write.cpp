@@ -29,20 +29,18 @@ class TetgenWriter {
       if (tagged) entry.integer(mesh.point_tags[i]);
     });
   }
-  /// Writes elements; `head`: what follows their number in the first line, before the flag of tags.
+  void write_tets(const TetMesh& mesh) {
+    const auto vertices_of = [&mesh](std::size_t t) {
+      std::array<Index, 4> tet = mesh.tets[t];
+      if (mesh.listed_inside_out) std::swap(tet[2], tet[3]);
+      return tet;
+    };
+    write_elements(".ele", " 4", mesh.tet_tags, vertices_of);
+  }
   template <std::size_t N>
-  void write_elements(const char* ending, const char* head, const std::vector<std::array<Index, N>>& elements,
-                      const std::vector<int>& tags, bool inside_out = false) {
-    LineWriter out = start(ending);
-    const bool tagged = has_tag(tags);
-    out.text(std::to_string(elements.size()) + head + (tagged ? " 1\n" : " 0\n"));
-    out.lines(elements.size(), [&](auto& entry, std::size_t i) {
-      entry.integer(i + 1);
-      auto vertices = elements[i];
-      if (inside_out) std::swap(vertices[N - 2], vertices[N - 1]);
-      for (const Index v : vertices) entry.integer(v + 1);
-      if (tagged) entry.integer(tags[i]);
-    });
+  void write_faces_or_edges(const char* ending, const std::vector<std::array<Index, N>>& elements,
+                            const std::vector<int>& tags) {
+    write_elements(ending, "", tags, [&elements](std::size_t i) { return elements[i]; });
   }
   /// Whether there is a file of the set with this ending, which must not stay beside the others.
   bool exists(const char* ending) const {
@@ -54,6 +52,19 @@ class TetgenWriter {
   }
 
  private:
+  /// Writes elements, one per tag; `head`: what follows their number in the first line, before the flag of tags.
+  template <class VerticesOf>
+  void write_elements(const char* ending, const char* head, const std::vector<int>& tags,
+                      const VerticesOf& vertices_of) {
+    LineWriter out = start(ending);
+    const bool tagged = has_tag(tags);
+    out.text(std::to_string(tags.size()) + head + (tagged ? " 1\n" : " 0\n"));
+    out.lines(tags.size(), [&](auto& entry, std::size_t i) {
+      entry.integer(i + 1);
+      for (const Index v : vertices_of(i)) entry.integer(v + 1);
+      if (tagged) entry.integer(tags[i]);
+    });
+  }
   LineWriter start(const char* ending) {
     const std::string name = std::filesystem::path(path_).replace_extension(ending).string();
     check_place(name);
@@ -79,10 +90,10 @@ void write_tetgen(const std::string& path, const TetMesh& mesh, const IoContext&
   if (mesh.second_order) context.warn(lost_middles(mesh));
   TetgenWriter files(path, context.threads);
   files.write_points(mesh);
-  files.write_elements(".ele", " 4", mesh.tets, mesh.tet_tags, mesh.listed_inside_out);
-  files.write_elements(".face", "", mesh.triangles, mesh.triangle_tags);
+  files.write_tets(mesh);
+  files.write_faces_or_edges(".face", mesh.triangles, mesh.triangle_tags);
   if (!mesh.edges.empty() || files.exists(".edge")) {
-    files.write_elements(".edge", "", mesh.edges, mesh.edge_tags);
+    files.write_faces_or_edges(".edge", mesh.edges, mesh.edge_tags);
   }
   files.commit();
 }
