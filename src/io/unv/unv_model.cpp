@@ -27,11 +27,11 @@ class UnvParser {
 
  private:
   void read_set(const std::string& set) {
-    if (set == "15") return read_nodes(true, true);
-    if (set == "781") return read_nodes(false, true);
-    if (set == "2411") return read_nodes(false, false);
-    if (set == "780") return read_elements(true);
-    if (set == "2412") return read_elements(false);
+    if (set == "15") return read_nodes_of_one_line();
+    if (set == "781") return read_nodes_of_two_lines(uses_of_definition_);
+    if (set == "2411") return read_nodes_of_two_lines(uses_of_part_);
+    if (set == "780") return read_elements({8, 3, 5});
+    if (set == "2412") return read_elements({6, 2, 3});
     if (set == "164") return read_units();
     if (set == "2420") return read_systems();
     model_.has_groups_of_gmsh = model_.has_groups_of_gmsh || set == kUnvGroupsOfGmsh;
@@ -45,29 +45,42 @@ class UnvParser {
 
   // Nodes.
 
-  /// Single precision has one line for each node. Coordinates are in the definition system of each node or in that of
-  /// the part.
-  void read_nodes(bool is_single, bool has_definition) {
+  using Fields = std::vector<std::string_view>;
+
+  /// The nodes that name a coordinate system.
+  struct Use {
+    std::int64_t line;  ///< of the first one
+    std::size_t nodes;
+  };
+  using Uses = std::map<std::int64_t, Use>;  ///< by the number of the system
+
+  /// Reads nodes of single precision, in the definition system of each.
+  void read_nodes_of_one_line() {
     for (std::string_view line; lines_.next(line);) {
-      const std::vector<std::string_view>* fields =
-          &(is_single ? lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth,
-                                             kUnvSingleWidth, kUnvSingleWidth, kUnvSingleWidth})
-                      : lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth}));
-      const std::int64_t number = label((*fields)[0], "the number of a node");
-      const std::int64_t system = lines_.integer((*fields)[1], "the number of a coordinate system");
-      model_.node_numbers.push_back(number);
-      model_.node_lines.push_back(lines_.line());
-      Use& use = uses_[has_definition ? 1 : 0].try_emplace(system, Use{lines_.line(), 0}).first->second;
-      ++use.nodes;
-      std::size_t first = 4;
-      if (!is_single) {
-        fields = &lines_.fields(lines_.further(), {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth});
-        first = 0;
-      }
-      Point3 p{};
-      for (std::size_t k = 0; k < 3; ++k) p[k] = lines_.real((*fields)[first + k], "a coordinate");
-      model_.points.push_back(p);
+      const Fields& fields = lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth,
+                                                  kUnvIntegerWidth, kUnvSingleWidth, kUnvSingleWidth, kUnvSingleWidth});
+      read_node_number(fields, uses_of_definition_);
+      read_point(fields, 4);
     }
+  }
+  /// Reads nodes of double precision.
+  void read_nodes_of_two_lines(Uses& uses) {
+    for (std::string_view line; lines_.next(line);) {
+      read_node_number(lines_.fields(line, {kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth, kUnvIntegerWidth}),
+                       uses);
+      read_point(lines_.fields(lines_.further(), {kUnvRealWidth, kUnvRealWidth, kUnvRealWidth}), 0);
+    }
+  }
+  void read_node_number(const Fields& fields, Uses& uses) {
+    model_.node_numbers.push_back(label(fields[0], "the number of a node"));
+    model_.node_lines.push_back(lines_.line());
+    const std::int64_t system = lines_.integer(fields[1], "the number of a coordinate system");
+    ++uses.try_emplace(system, Use{lines_.line(), 0}).first->second.nodes;
+  }
+  void read_point(const Fields& fields, std::size_t first) {
+    Point3 p{};
+    for (std::size_t k = 0; k < 3; ++k) p[k] = lines_.real(fields[first + k], "a coordinate");
+    model_.points.push_back(p);
   }
   std::int64_t label(std::string_view field, const char* name) const {
     const std::int64_t number = lines_.integer(field, name);
@@ -76,12 +89,6 @@ class UnvParser {
   }
 
   // Coordinate systems.
-
-  /// The nodes that name a coordinate system.
-  struct Use {
-    std::int64_t line;  ///< of the first one
-    std::size_t nodes;
-  };
 
   void read_systems() {
     lines_.integers(lines_.further());  // number of the part
@@ -107,12 +114,12 @@ class UnvParser {
   void check_systems() const {
     std::string systems;
     std::size_t nodes = 0;
-    for (const bool has_definition : {false, true}) {
-      for (const auto& [system, use] : uses_[has_definition ? 1 : 0]) {
+    for (const Uses* uses : {&uses_of_part_, &uses_of_definition_}) {
+      for (const auto& [system, use] : *uses) {
         const auto known = systems_.find(system);
         if (known == systems_.end() ? system == 0 || system == 1 : known->second) continue;
         const std::string number = std::to_string(system);
-        if (has_definition && known != systems_.end()) {
+        if (uses == &uses_of_definition_ && known != systems_.end()) {
           lines_.fail_at(use.line, "the coordinates of this node are in the coordinate system " + number +
                                        ", which is not the global Cartesian one; only that is read. Write the "
                                        "coordinates of all nodes in it");
@@ -143,17 +150,22 @@ class UnvParser {
 
   // Elements.
 
-  void read_elements(bool has_bins) {
+  /// The first line of an element: its number of integers, and the positions of the property and the material.
+  struct ElementLine {
+    std::size_t integers, property, material;
+  };
+
+  void read_elements(const ElementLine& layout) {
     for (std::string_view line; lines_.next(line);) {
-      const std::vector<std::int64_t>& first = lines_.integers(line, has_bins ? 8 : 6, "an element");
+      const std::vector<std::int64_t>& first = lines_.integers(line, layout.integers, "an element");
       if (first[0] < 0) lines_.fail("the number of this element is negative");
       const std::int64_t descriptor = first[1], n = first.back();
       UnvElement found{find_unv_element_kind(descriptor),
                        lines_.line(),
                        first[0],
                        model_.element_nodes.size(),
-                       as_int(first[has_bins ? 3U : 2U]),
-                       as_int(first[has_bins ? 5U : 3U]),
+                       as_int(first[layout.property]),
+                       as_int(first[layout.material]),
                        0};
       if (n < 1) lines_.fail("this element should have nodes, and has " + std::to_string(n));
       if (found.kind != nullptr) check_size(*found.kind, descriptor, n);
@@ -250,8 +262,8 @@ class UnvParser {
   std::vector<std::string>& warnings_;
   UnvModel model_;
   std::set<std::string> names_;
-  std::array<std::map<std::int64_t, Use>, 2> uses_;  ///< by coordinate system: of the part (0), of definition (1)
-  std::map<std::int64_t, bool> systems_;             ///< whether a defined system is the global one
+  Uses uses_of_part_, uses_of_definition_;  ///< of systems for output, and of those of the coordinates
+  std::map<std::int64_t, bool> systems_;    ///< whether a defined system is the global one
 };
 
 }  // namespace
