@@ -7,6 +7,7 @@
 #include "io/combinations.hpp"
 #include "io/inp/inp_scan.hpp"
 #include "io/inp/inp_tags.hpp"
+#include "io/tag_numbers.hpp"
 
 namespace tetune {
 namespace {
@@ -124,23 +125,40 @@ class InpRegions {
   TetMesh& mesh_;
 };
 
-/// Adds a group, or tags to the one of this name, unless its name says no more than its tag.
-void add_group(TetMesh& mesh, int dimension, const std::string& name, const std::vector<int>& tags, const char* start) {
-  if (tags.empty() || (tags.size() == 1 && is_inp_tag_name(name, start, tags[0]))) return;
-  for (Group& group : mesh.groups) {
-    if (group.dimension != dimension || inp_name(group.name) != inp_name(name)) continue;
-    group.tags.insert(group.tags.end(), tags.begin(), tags.end());
-    sort_unique(group.tags);
-    return;
+/// The groups of one dimension that the sets and surfaces of a deck become.
+class InpGroups {
+ public:
+  /// Names of sets that stand for a tag begin with `start`.
+  InpGroups(TetMesh& mesh, int dimension, const char* start) : mesh_(mesh), dimension_(dimension), start_(start) {}
+
+  /// Adds a group, or tags to the one of this name, unless its name says no more than its tag.
+  void add(const std::string& name, const std::vector<int>& tags) {
+    if (tags.empty() || (tags.size() == 1 && is_inp_tag_name(name, start_, tags[0]))) return;
+    const auto [at, is_new] = name2group_.try_emplace(inp_name(name), mesh_.groups.size());
+    if (is_new) {
+      mesh_.groups.push_back({dimension_, free_number(tags), name, tags});
+      return;
+    }
+    std::vector<int>& all = mesh_.groups[at->second].tags;
+    all.insert(all.end(), tags.begin(), tags.end());
+    sort_unique(all);
   }
-  const auto is_taken = [&](int number) {
-    return std::any_of(mesh.groups.begin(), mesh.groups.end(),
-                       [&](const Group& g) { return g.dimension == dimension && g.number == number; });
-  };
-  int number = tags.size() == 1 && tags[0] > 0 ? tags[0] : 1;
-  while (is_taken(number)) ++number;
-  mesh.groups.push_back({dimension, number, name, tags});
-}
+
+ private:
+  /// A number that no other group has: of one tag this tag, or the next one.
+  int free_number(const std::vector<int>& tags) {
+    if (tags.size() != 1 || tags[0] < 1) return numbers_.take_lowest();
+    int number = tags[0];
+    while (!numbers_.take(number)) ++number;
+    return number;
+  }
+
+  TetMesh& mesh_;
+  int dimension_;
+  const char* start_;
+  std::map<std::string, std::size_t> name2group_;
+  FreeNumbers numbers_{{}};
+};
 
 /// The tags of the quadrilaterals in a set, without those that patches have by chance: a set that is named for the tag
 /// has the quadrilaterals and the patch in one group.
@@ -156,8 +174,9 @@ std::vector<int> tags_of_quads(const InpSet& set, const InpModel& model) {
 }
 
 void add_groups(const InpModel& model, TetMesh& mesh) {
+  InpGroups volumes(mesh, 3, "Volume"), patches(mesh, 2, "Surface");
   for (const InpSet& set : model.sets) {
-    if (!set.of_nodes) add_group(mesh, 3, set.name, set.regions, "Volume");
+    if (!set.of_nodes) volumes.add(set.name, set.regions);
   }
   std::set<std::string> surfaces;
   for (const InpFaceCard& card : model.face_cards) {
@@ -170,13 +189,13 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
       };
       if (std::any_of(patch.members.begin(), patch.members.end(), is_of_card)) tags.push_back(patch.tag);
     }
-    add_group(mesh, 2, card.name, tags, "Surface");
+    patches.add(card.name, tags);
   }
   for (const InpSet& set : model.sets) {
     if (!set.of_nodes || !set.regions.empty() || surfaces.count(inp_name(set.name)) != 0) continue;
-    add_group(mesh, 2, set.name, set.patches, "Surface");
+    patches.add(set.name, set.patches);
   }
-  for (const InpSet& set : model.sets) add_group(mesh, 2, set.name, tags_of_quads(set, model), "Surface");
+  for (const InpSet& set : model.sets) patches.add(set.name, tags_of_quads(set, model));
 }
 
 /// Holds the nodes and elements that other cards name by number.

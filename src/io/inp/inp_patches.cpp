@@ -23,7 +23,7 @@ struct FaceOfTet {
   bool operator<(const FaceOfTet& other) const { return vertices < other.vertices; }
 };
 
-/// This number of held nodes, or one in this number, is no cause for a warning.
+/// At most this number of held nodes, or one node of this number of the mesh, is no cause for a warning.
 constexpr std::size_t kFewHeld = 100;
 
 class InpPatches {
@@ -300,14 +300,15 @@ class InpPatches {
   /// A set with the vertices of a face group has those of its patches.
   void take_patches_of_groups() {
     for (InpSet& set : model_.sets) {
+      if (set.groups.empty()) continue;
       for (const InpPatch& patch : model_.patches) {
         const auto is_taken = [&set](const InpPatchMember& m) {
           return std::find(set.groups.begin(), set.groups.end(), m.group) != set.groups.end();
         };
         if (std::any_of(patch.members.begin(), patch.members.end(), is_taken)) set.patches.push_back(patch.tag);
       }
-      sort_unique(set.patches);
     }
+    for (InpSet& set : model_.sets) sort_unique(set.patches);
   }
 
   static constexpr std::uint8_t kOutside = 0, kInSet = 1, kCovered = 2;
