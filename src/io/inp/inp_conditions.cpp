@@ -126,15 +126,23 @@ std::optional<ValueFields> value_between(const std::vector<const ValueFields*>& 
 
 using IndexPairs = std::vector<std::pair<Index, Index>>;
 
-/// Which inserted nodes depend on which nodes; inserted nodes by their position in InpMatch::inserted.
+/// The inserted nodes of a mesh, and which of them depend on which nodes; inserted nodes by their position in
+/// InpMatch::inserted.
 struct InpDependents {
+  const InpModel& model;
+  const InpMatch& match;
+  const std::vector<InpInserted>& inserted;
+  const std::vector<std::vector<Index>>& sets_of;  ///< per inserted node
+
   IndexPairs of_node;              ///< a node of the deck, an inserted node
   IndexPairs of_inserted;          ///< an inserted vertex, a mid-side node at an edge of it
   std::vector<Index> nodes;        ///< the first of `of_node`
   std::vector<Index> outside;      ///< inserted vertices that no tetrahedron of the deck contains
   std::vector<Index> old_middles;  ///< of the deck, ascending
 
-  InpDependents(const InpModel& model, const InpMatch& match, const std::vector<InpInserted>& inserted) {
+  InpDependents(const InpModel& deck, const InpMatch& deck_match, const std::vector<InpInserted>& nodes_of_mesh,
+                const std::vector<std::vector<Index>>& sets)
+      : model(deck), match(deck_match), inserted(nodes_of_mesh), sets_of(sets) {
     for (Index i = 0; i < std::ssize(inserted); ++i) {
       const InpInserted& node = span_of(inserted)[i];
       for (const Index v : node.nodes) of_node.emplace_back(v, i);
@@ -146,7 +154,7 @@ struct InpDependents {
         if (old >= 0) {
           of_node.emplace_back(old, i);
         } else {
-          of_inserted.emplace_back(position(match, v), i);
+          of_inserted.emplace_back(position(v), i);
         }
       }
     }
@@ -158,7 +166,8 @@ struct InpDependents {
     for (const auto& [ends, node] : model.middles) old_middles.push_back(node);
     sort_unique(old_middles);
   }
-  static Index position(const InpMatch& match, Index v) {
+  /// The position of a vertex among the inserted ones.
+  Index position(Index v) const {
     return to_index(std::lower_bound(match.inserted.begin(), match.inserted.end(), v) - match.inserted.begin());
   }
 };
@@ -166,22 +175,14 @@ struct InpDependents {
 /// The values of inserted nodes in one condition.
 class InpExtension {
  public:
-  InpExtension(const InpModel& model, const InpMatch& match, const std::vector<InpInserted>& inserted,
-               const std::vector<std::vector<Index>>& sets_of, const InpDependents& dependents,
-               const InpCondition& condition)
-      : model_(model),
-        match_(match),
-        inserted_(inserted),
-        sets_of_(sets_of),
-        dependents_(dependents),
-        condition_(condition),
-        reader_(condition.kind) {}
+  InpExtension(const InpDependents& dependents, const InpCondition& condition)
+      : dependents_(dependents), condition_(condition), reader_(condition.kind) {}
 
   std::string extend() {
     read_lines();
     std::string text;
     for (const Index i : concerned()) {
-      if (span_of(inserted_)[i].is_middle()) {
+      if (span_of(dependents_.inserted)[i].is_middle()) {
         add_middle(i);
       } else {
         add_vertex(i);
@@ -190,7 +191,8 @@ class InpExtension {
       for (const auto& [key, value] : entries_of_inserted(i)) {
         if (value.line < 0) written.emplace(key, value);
       }
-      reader_.append(text, span_of(match_.vertex_labels)[span_of(match_.inserted)[i]], written, model_.newline);
+      reader_.append(text, span_of(dependents_.match.vertex_labels)[span_of(dependents_.match.inserted)[i]], written,
+                     dependents_.model.newline);
     }
     return text;
   }
@@ -222,7 +224,7 @@ class InpExtension {
         if (is_listed(dependents_.nodes, line.node)) give(line.node);
       }
       if (line.set < 0) continue;
-      const InpSet& set = span_of(model_.sets)[line.set];
+      const InpSet& set = span_of(dependents_.model.sets)[line.set];
       names_middles_ = names_middles_ || !set.middles.empty();
       lines_of_set_[line.set].push_back(l);
       const bool is_small = set.members.size() < dependents_.nodes.size();
@@ -257,7 +259,7 @@ class InpExtension {
     if (known != added_.end()) return known->second;
     NodeValues& entries = added_[i];
     std::vector<Index> lines;
-    for (const Index s : span_of(sets_of_)[i]) {
+    for (const Index s : span_of(dependents_.sets_of)[i]) {
       const auto found = lines_of_set_.find(s);
       if (found != lines_of_set_.end()) lines.insert(lines.end(), found->second.begin(), found->second.end());
     }
@@ -271,7 +273,7 @@ class InpExtension {
   }
 
   void add_vertex(Index i) {
-    const InpInserted& node = span_of(inserted_)[i];
+    const InpInserted& node = span_of(dependents_.inserted)[i];
     const std::vector<Index>& needed = is_field() ? node.nodes : node.support;
     std::vector<const NodeValues*> of;
     for (const Index v : needed) of.push_back(&entries_of_node(v));
@@ -281,12 +283,12 @@ class InpExtension {
     add(i, of, weights, node.nodes.size());
   }
   void add_middle(Index i) {
-    const InpInserted& node = span_of(inserted_)[i];
+    const InpInserted& node = span_of(dependents_.inserted)[i];
     if (!names_middles_ || (!is_field() && (!node.has_inserted_end || node.is_across))) return;
     std::vector<const NodeValues*> of;
     for (const Index v : node.ends) {
-      const Index old = span_of(match_.vertex2node)[v];
-      of.push_back(old >= 0 ? &entries_of_node(old) : &entries_of_inserted(InpDependents::position(match_, v)));
+      const Index old = span_of(dependents_.match.vertex2node)[v];
+      of.push_back(old >= 0 ? &entries_of_node(old) : &entries_of_inserted(dependents_.position(v)));
     }
     add(i, of, {0.5, 0.5}, 2);
   }
@@ -299,7 +301,7 @@ class InpExtension {
     if (at != own.end() && std::any_of(of.begin(), of.end(), has_line(at->second.line))) return true;
     if (is_field()) return false;
     const bool is_of_one = std::all_of(of.begin(), of.end(), has_line(of.front()->line));
-    if (at == own.end() && !is_of_one && !span_of(inserted_)[i].is_middle()) is_between_sets_ = true;
+    if (at == own.end() && !is_of_one && !span_of(dependents_.inserted)[i].is_middle()) is_between_sets_ = true;
     return true;
   }
 
@@ -336,10 +338,6 @@ class InpExtension {
     between_sets_ += is_between_sets_ ? 1 : 0;
   }
 
-  const InpModel& model_;
-  const InpMatch& match_;
-  const std::vector<InpInserted>& inserted_;
-  const std::vector<std::vector<Index>>& sets_of_;
   const InpDependents& dependents_;
   const InpCondition& condition_;
   InpConditionReader reader_;
@@ -362,7 +360,7 @@ std::vector<std::string> extend_inp_conditions(const InpModel& model, const InpM
                                                const IoContext& context) {
   std::vector<std::string> texts(model.conditions.size());
   if (inserted.empty()) return texts;
-  const InpDependents dependents(model, match, inserted);
+  const InpDependents dependents(model, match, inserted, sets_of);
   for (std::size_t c = 0; c < texts.size(); ++c) {
     const InpCondition& condition = model.conditions[c];
     if (condition.last_piece < 0) continue;
@@ -371,7 +369,7 @@ std::vector<std::string> extend_inp_conditions(const InpModel& model, const InpM
                    ", as its lines of more than seven values can be continued; name a set of all nodes");
       continue;
     }
-    InpExtension extension(model, match, inserted, sets_of, dependents, condition);
+    InpExtension extension(dependents, condition);
     texts[c] = extension.extend();
     if (extension.between_sets() != 0) {
       context.warn(count_of_inserted(extension.between_sets()) + " no value in *" + condition.name +

@@ -142,30 +142,6 @@ class GroupsOfTags {
   std::map<int, std::vector<int>> tag2groups_;
 };
 
-/// Adds the periodic links of one dimension; returns the entities that only they name. Where the entities of the mesh
-/// have new numbers, the links are not kept.
-std::set<int> add_links(const TetMesh& mesh, int dimension, bool renumbered, const EntityTags& tags,
-                        const IoContext& context, MshLayout& layout) {
-  std::set<int> linked;
-  std::size_t dropped = 0;
-  for (const PeriodicLink& link : mesh.periodic) {
-    if (link.dimension != dimension) continue;
-    if (renumbered) {
-      ++dropped;
-      continue;
-    }
-    layout.links.push_back(link);
-    for (const int number : {link.entity, link.master}) {
-      if (tags.count(number) == 0) linked.insert(number);
-    }
-  }
-  if (dropped > 0) {
-    context.warn(std::to_string(dropped) + " periodic links of dimension " + std::to_string(dimension) +
-                 " are not written: elements of one entity have different tags, so that entities get new numbers");
-  }
-  return linked;
-}
-
 /// Warns of tags that are one tag when the file is read: that of a group is its number, where an entity is in no other.
 void warn_of_merged_msh_tags(const TetMesh& mesh, std::span<const MshLayoutEntity> entities, const IoContext& context) {
   std::map<int, std::set<int>> group2tags;
@@ -180,43 +156,86 @@ void warn_of_merged_msh_tags(const TetMesh& mesh, std::span<const MshLayoutEntit
   }
 }
 
-/// Adds the entities of one dimension.
-void add_entities(const TetMesh& mesh, int dimension, std::span<MshKind> kinds, const IoContext& context,
-                  MshLayout& layout) {
-  EntityTags tags;
-  std::vector<std::vector<int>> numbers = known_entities(kinds, tags);
-  const bool known = !numbers.empty() || kinds.empty();
-  if (!known) {
-    tags.clear();
-    numbers = entities_of_tags(kinds, tags);
-  }
-  const bool renumbered = !known && std::any_of(kinds.begin(), kinds.end(),
-                                                [](const MshKind& kind) { return !known_numbers(kind).empty(); });
-  const std::set<int> linked = add_links(mesh, dimension, renumbered, tags, context, layout);
-  for (const int number : linked) tags.emplace(number, 0);
-  const GroupsOfTags groups(mesh, dimension, tags, context);
-  std::map<int, Index> positions;
-  const std::size_t first = layout.entities.size();
-  for (const auto& [number, tag] : tags) {
-    positions[number] = to_index(layout.entities.size());
-    MshLayoutEntity entity{dimension, number, tag};
-    entity.has_elements = linked.count(number) == 0;
-    if (entity.has_elements) entity.groups = groups.of(tag);
-    if (entity.groups.empty() && tag < 0 && !mesh.cell_tags_name.starts_with("gmsh")) {
-      context.warn("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
-                   " with the tag " + std::to_string(tag) + " are entity " + std::to_string(number) + ", in no group");
+/// Adds the entities and periodic links of one dimension after the other to a layout.
+class MshEntityLayout {
+ public:
+  MshEntityLayout(const TetMesh& mesh, const IoContext& context, MshLayout& layout)
+      : mesh_(mesh), context_(context), layout_(layout) {}
+
+  /// Adds the entities of a dimension with these kinds of elements.
+  void add(int dimension, std::span<MshKind> kinds) {
+    EntityTags tags;
+    std::vector<std::vector<int>> numbers = known_entities(kinds, tags);
+    bool is_renumbered = false;
+    if (numbers.empty() && !kinds.empty()) {
+      tags.clear();
+      numbers = entities_of_tags(kinds, tags);
+      is_renumbered =
+          std::any_of(kinds.begin(), kinds.end(), [](const MshKind& kind) { return !known_numbers(kind).empty(); });
     }
-    layout.entities.push_back(std::move(entity));
-  }
-  if (!tags.empty()) warn_of_merged_msh_tags(mesh, std::span(layout.entities).subspan(first), context);
-  for (std::size_t k = 0; k < kinds.size(); ++k) {
-    kinds[k].entity.reserve(kinds[k].size());
-    for (std::size_t e = 0; e < kinds[k].size(); ++e) {
-      const bool same = e > 0 && numbers[k][e] == numbers[k][e - 1];
-      kinds[k].entity.push_back(same ? kinds[k].entity.back() : positions.at(numbers[k][e]));
+    linked_.clear();
+    if (is_renumbered) {
+      warn_of_dropped_links(dimension);
+    } else {
+      add_links(dimension, tags);
+    }
+    const std::map<int, Index> positions = add_entities(dimension, tags);
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      kinds[k].entity.reserve(kinds[k].size());
+      for (std::size_t e = 0; e < kinds[k].size(); ++e) {
+        const bool same = e > 0 && numbers[k][e] == numbers[k][e - 1];
+        kinds[k].entity.push_back(same ? kinds[k].entity.back() : positions.at(numbers[k][e]));
+      }
     }
   }
-}
+
+ private:
+  /// Adds the periodic links of a dimension; linked_ gets the entities that only they name.
+  void add_links(int dimension, const EntityTags& tags) {
+    for (const PeriodicLink& link : mesh_.periodic) {
+      if (link.dimension != dimension) continue;
+      layout_.links.push_back(link);
+      for (const int number : {link.entity, link.master}) {
+        if (!tags.contains(number)) linked_.insert(number);
+      }
+    }
+  }
+  /// Where the entities of the mesh have new numbers, links are not kept.
+  void warn_of_dropped_links(int dimension) const {
+    const auto dropped = std::count_if(mesh_.periodic.begin(), mesh_.periodic.end(),
+                                       [&](const PeriodicLink& link) { return link.dimension == dimension; });
+    if (dropped == 0) return;
+    context_.warn(std::to_string(dropped) + " periodic links of dimension " + std::to_string(dimension) +
+                  " are not written: elements of one entity have different tags, so that entities get new numbers");
+  }
+
+  /// Adds the entities of these tags and the linked ones; returns their positions by number.
+  std::map<int, Index> add_entities(int dimension, EntityTags& tags) {
+    for (const int number : linked_) tags.emplace(number, 0);
+    const GroupsOfTags groups(mesh_, dimension, tags, context_);
+    std::map<int, Index> positions;
+    const std::size_t first = layout_.entities.size();
+    for (const auto& [number, tag] : tags) {
+      positions[number] = to_index(layout_.entities.size());
+      MshLayoutEntity entity{dimension, number, tag};
+      entity.has_elements = !linked_.contains(number);
+      if (entity.has_elements) entity.groups = groups.of(tag);
+      if (entity.groups.empty() && tag < 0 && !mesh_.cell_tags_name.starts_with("gmsh")) {
+        context_.warn("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
+                      " with the tag " + std::to_string(tag) + " are entity " + std::to_string(number) +
+                      ", in no group");
+      }
+      layout_.entities.push_back(std::move(entity));
+    }
+    if (!tags.empty()) warn_of_merged_msh_tags(mesh_, std::span(layout_.entities).subspan(first), context_);
+    return positions;
+  }
+
+  const TetMesh& mesh_;
+  const IoContext& context_;
+  MshLayout& layout_;
+  std::set<int> linked_;  ///< numbers of entities
+};
 
 std::array<Index, 3> side_of(std::span<const Index> vertices) {
   std::array<Index, 3> side{-1, -1, -1};
@@ -283,12 +302,13 @@ void find_boxes(const TetMesh& mesh, MshLayout& layout) {
 void place_points(const TetMesh& mesh, MshLayout& layout) {
   for (const PeriodicLink& link : layout.links) {
     if (link.dimension != 0 || link.pairs.empty()) continue;
-    for (MshLayoutEntity& entity : layout.entities) {
-      if (entity.dimension != 0 || entity.has_elements) continue;
-      if (entity.number != link.entity && entity.number != link.master) continue;
-      const Point3& p = span_of(mesh.points)[link.pairs[0][entity.number == link.entity ? 0 : 1]];
-      for (std::size_t k = 0; k < 3; ++k) entity.box[k] = entity.box[k + 3] = p[k];
-    }
+    const auto place = [&](int number, Index vertex) {
+      MshLayoutEntity& entity = span_of(layout.entities)[layout.find(0, number)];
+      const Point3& p = span_of(mesh.points)[vertex];
+      for (std::size_t k = 0; !entity.has_elements && k < 3; ++k) entity.box[k] = entity.box[k + 3] = p[k];
+    };
+    place(link.master, link.pairs[0][1]);
+    place(link.entity, link.pairs[0][0]);
   }
 }
 
@@ -307,6 +327,7 @@ MshLayout lay_out(const TetMesh& mesh, const IoContext& context) {
   layout.kinds = kinds_of(mesh);
   if (layout.kinds.empty())
     throw FileError("the mesh has no elements; an .msh file without them has no entities for its vertices");
+  MshEntityLayout entities(mesh, context, layout);
   for (int dimension = 0; dimension <= 3; ++dimension) {
     const auto is_before = [dimension](const MshKind& kind) { return kind.type->dimension < dimension; };
     const auto first = std::find_if_not(layout.kinds.begin(), layout.kinds.end(), is_before);
@@ -314,7 +335,7 @@ MshLayout lay_out(const TetMesh& mesh, const IoContext& context) {
                                    [dimension](const MshKind& kind) { return kind.type->dimension != dimension; });
     const auto kinds =
         std::span(layout.kinds).subspan(std::size_t(first - layout.kinds.begin()), std::size_t(last - first));
-    add_entities(mesh, dimension, kinds, context, layout);
+    entities.add(dimension, kinds);
   }
   for (int dimension = 1; dimension <= 3; ++dimension) find_bounds(dimension, mesh.points.size(), layout);
   find_boxes(mesh, layout);

@@ -99,12 +99,16 @@ class NastranWriter {
     context_.warn(std::to_string(rounded) + " coordinates are rounded to the 16 characters of Nastran's large fields");
   }
 
-  void append_card(std::string& text, std::string_view card, int property, std::int64_t number, const Index* nodes,
-                   std::size_t n) const {
-    append_name(text, card);
-    append_right(text, number, kSmallWidth);
-    append_right(text, property, kSmallWidth);
-    for (std::size_t k = 0; k < n; ++k) {
+  /// The cards of the elements of one kind.
+  struct Cards {
+    std::string_view name;
+    std::size_t dimension, nodes;  ///< of each element
+    const std::vector<int>& tags;
+  };
+
+  /// Appends the nodes of a card after its name, its number and that of its property.
+  void append_nodes(std::string& text, std::span<const Index> nodes) const {
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
       // The numbers of the element and the property are fields too.
       if (k > 0 && (k + 2) % kFieldsPerLine == 0) append_name(text += "+\n", "+");
       append_right(text, span_of(node_numbers_)[nodes[k]], kSmallWidth);
@@ -112,48 +116,51 @@ class NastranWriter {
     text += '\n';
   }
 
-  /// Writes the elements of a card; nodes_of(e, nodes) sets the nodes of one.
+  /// Writes elements; nodes_of(e, nodes) sets the nodes of one.
   template <class NodesOf>
-  void write_cards(std::string_view card, std::size_t dimension, std::size_t n, const std::vector<int>& tags,
-                   const NodesOf& nodes_of) {
-    const std::map<int, int>& tag2number = properties_[dimension];
-    write_records(file_, cpu_, tags.size(), [&](std::string& text, std::size_t e) {
+  void write_cards(const Cards& cards, const NodesOf& nodes_of) {
+    const std::map<int, int>& tag2number = properties_[cards.dimension];
+    write_records(file_, cpu_, cards.tags.size(), [&](std::string& text, std::size_t e) {
+      append_name(text, cards.name);
+      append_right(text, next_element_ + std::int64_t(e), kSmallWidth);
+      append_right(text, tag2number.at(cards.tags[e]), kSmallWidth);
       std::array<Index, kMaxNodes> nodes;
       nodes_of(e, nodes);
-      append_card(text, card, tag2number.at(tags[e]), next_element_ + std::int64_t(e), nodes.data(), n);
+      append_nodes(text, std::span(nodes).first(cards.nodes));
     });
-    next_element_ += std::ssize(tags);
+    next_element_ += std::ssize(cards.tags);
     if (next_element_ > kMaxNastranNumber) {
       throw FileError("the mesh has more elements than Nastran's numbers of at most 8 digits: write another format");
     }
   }
 
   template <std::size_t N, std::size_t E>
-  void write_simplices(std::string_view card, std::size_t dimension, const std::vector<std::array<Index, N>>& elements,
+  void write_simplices(std::string_view card, const std::vector<std::array<Index, N>>& elements,
                        const std::vector<int>& tags, const std::array<Pair, E>& edges) {
     const std::size_t n = N + (middles_ != nullptr ? E : 0);
-    write_cards(card, dimension, n, tags, [&](std::size_t e, std::array<Index, kMaxNodes>& nodes) {
+    write_cards({card, N - 1, n, tags}, [&](std::size_t e, std::array<Index, kMaxNodes>& nodes) {
       list_simplex(mesh_, elements[e], middles_, edges, nodes);
     });
   }
 
   void write_elements(const NastranElementKind& kind) {
     if (kind.card == "CROD") {
-      return write_cards(kind.card, 1, 2, mesh_.edge_tags, [this](std::size_t e, std::array<Index, kMaxNodes>& nodes) {
+      const auto nodes_of = [this](std::size_t e, std::array<Index, kMaxNodes>& nodes) {
         std::copy(mesh_.edges[e].begin(), mesh_.edges[e].end(), nodes.begin());
-      });
+      };
+      return write_cards({kind.card, 1, 2, mesh_.edge_tags}, nodes_of);
     }
     if (kind.card == (middles_ == nullptr ? "CTRIA3" : "CTRIA6")) {
-      return write_simplices(kind.card, 2, mesh_.triangles, mesh_.triangle_tags, kTriangleEdges);
+      return write_simplices(kind.card, mesh_.triangles, mesh_.triangle_tags, kTriangleEdges);
     }
-    if (kind.role == Role::tetrahedron) return write_simplices(kind.card, 3, mesh_.tets, mesh_.tet_tags, kTetEdges);
+    if (kind.role == Role::tetrahedron) return write_simplices(kind.card, mesh_.tets, mesh_.tet_tags, kTetEdges);
     if (kind.role != Role::other || !kind.is_written) return;
     for (const ElementBlock& block : mesh_.others) {
       if (block.kind != kind.block) continue;
       const std::span<const Pair> edges = middle_edges(mesh_, block, MiddleOrder::base_between_top);
       const bool is_quad8 = kind.card == "CQUAD4" && !edges.empty();
       write_cards(
-          is_quad8 ? "CQUAD8" : kind.card, kind.dimension(), kind.vertices + edges.size(), block.tags,
+          {is_quad8 ? "CQUAD8" : kind.card, kind.dimension(), kind.vertices + edges.size(), block.tags},
           [&](std::size_t e, std::array<Index, kMaxNodes>& nodes) { list_other(block, e, middles_, edges, nodes); });
     }
   }
