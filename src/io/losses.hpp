@@ -39,7 +39,7 @@ void warn_of_merged_tags(const Group& group, std::size_t tags, const IoContext& 
 /// Throws FileError where a coordinate is infinite or no number, for which the format has no notation.
 void refuse_infinite_points(const TetMesh& mesh);
 
-/// The groups without elements.
+/// The groups without elements, in their order.
 std::vector<const Group*> empty_groups(const TetMesh& mesh);
 
 }  // namespace tetune

@@ -214,7 +214,7 @@ class Su2Markers {
     for (const Group* const group : specific_first(mesh, 2)) {
       const std::string name = marker_of(group->name.empty() ? "patch" + std::to_string(group->number) : group->name);
       for (const int tag : group->tags) is_shared_ |= !names_.emplace(tag, name).second;
-      if (std::find(empty.begin(), empty.end(), group) != empty.end()) faces_[name];
+      if (std::binary_search(empty.begin(), empty.end(), group)) faces_[name];
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const auto& [a, b, c] = mesh.triangles[i];

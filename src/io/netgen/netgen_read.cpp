@@ -232,10 +232,9 @@ class NetgenReader {
 
   void add_name(int dimension, int tag, std::string_view name) {
     if (name.empty() || name == kNetgenUnnamed) return;
-    for (Group& group : mesh_.groups) {
-      if (group.dimension == dimension && group.name == name) return group.tags.push_back(tag);
-    }
-    mesh_.groups.push_back({dimension, tag, std::string(name), {tag}});
+    const auto [at, is_new] = name2group_.try_emplace({dimension, std::string(name)}, mesh_.groups.size());
+    if (is_new) mesh_.groups.push_back({dimension, tag, std::string(name), {}});
+    mesh_.groups[at->second].tags.push_back(tag);
   }
   void read_names(int dimension) {
     const std::size_t n = count("number of names", 1);
@@ -327,8 +326,9 @@ class NetgenReader {
   TetMesh mesh_;
   ElementCollector collector_{mesh_, MiddleOrder::base_top_between};  // which other kinds have none of
   const std::map<std::string, int> names_{{"materials", 3}, {"bcnames", 2}, {"cd2names", 1}, {"cd3names", 0}};
-  std::vector<std::int32_t> surfaces_;    ///< of the triangles
-  std::set<std::array<Index, 2>> edges_;  ///< listed ones
+  std::vector<std::int32_t> surfaces_;                             ///< of the triangles
+  std::map<std::pair<int, std::string>, std::size_t> name2group_;  ///< by dimension and name
+  std::set<std::array<Index, 2>> edges_;                           ///< listed ones
   std::map<int, std::vector<std::array<Index, 2>>> identified_;
   std::vector<std::int64_t> types_;  ///< of identifications
   std::vector<int> descriptors_;     ///< numbers of edges

@@ -45,7 +45,7 @@ class UnvGroupWriter {
     const std::vector<const Group*> empty = empty_groups(mesh_);
     for (const Group& group : mesh_.groups) {
       if (group.dimension < 1) continue;
-      if (std::find(empty.begin(), empty.end(), &group) != empty.end()) {
+      if (std::binary_search(empty.begin(), empty.end(), &group)) {
         if (!group.name.empty()) warn_of_empty_group(group, context_);
         continue;
       }
@@ -92,10 +92,8 @@ class UnvGroupWriter {
   /// Returns the group of a number and name, which is added if there is none.
   UnvWrittenGroup& group_of(int number, const std::string& name) {
     std::string written = without_control_characters(trimmed(name));
-    const auto same = std::find_if(list_.begin(), list_.end(), [&](const UnvWrittenGroup& group) {
-      return group.number == number && group.name == written;
-    });
-    if (same != list_.end()) return *same;
+    const auto [at, is_new] = positions_.try_emplace({number, written}, list_.size());
+    if (!is_new) return list_[at->second];
     if (written != name) context_.warn("the group \"" + printable(name) + "\" is written as " + written);
     return list_.emplace_back(UnvWrittenGroup{number, std::move(written), {}, nullptr});
   }
@@ -120,7 +118,8 @@ class UnvGroupWriter {
   const std::array<std::map<int, int>, 4>& properties_;
   const IoContext& context_;
   std::vector<UnvWrittenGroup> list_;
-  std::set<std::pair<int, int>> grouped_;  ///< dimensions and tags
+  std::map<std::pair<int, std::string>, std::size_t> positions_;  ///< in list_, by number and name
+  std::set<std::pair<int, int>> grouped_;                         ///< dimensions and tags
   /// The numbers of the groups of the mesh that add_groups_of_tags() adds, by dimension and tag.
   std::map<std::pair<int, int>, int> tag2number_;
 };
