@@ -178,17 +178,16 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
   for (const InpSet& set : model.sets) {
     if (!set.of_nodes) volumes.add(set.name, set.regions);
   }
+  const std::vector<std::vector<int>> group2tags = tags_of_face_groups(model);
   std::set<std::string> surfaces;
   for (const InpFaceCard& card : model.face_cards) {
     if (card.name.empty()) continue;
     surfaces.insert(inp_name(card.name));
     std::vector<int> tags;
-    for (const InpPatch& patch : model.patches) {
-      const auto is_of_card = [&card](const InpPatchMember& m) {
-        return std::find(card.groups.begin(), card.groups.end(), m.group) != card.groups.end();
-      };
-      if (std::any_of(patch.members.begin(), patch.members.end(), is_of_card)) tags.push_back(patch.tag);
+    for (const Index g : card.groups) {
+      tags.insert(tags.end(), span_of(group2tags)[g].begin(), span_of(group2tags)[g].end());
     }
+    sort_unique(tags);
     patches.add(card.name, tags);
   }
   for (const InpSet& set : model.sets) {

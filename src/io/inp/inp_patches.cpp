@@ -6,6 +6,7 @@
 
 #include "backend/cpu.hpp"
 #include "io/combinations.hpp"
+#include "io/inp/inp_match.hpp"
 #include "io/inp/inp_scan.hpp"
 #include "io/inp/inp_tags.hpp"
 #include "mesh/tet.hpp"
@@ -35,10 +36,13 @@ class InpPatches {
     find_turned();
     hold_sets();
     for (std::size_t g = 0; g < model_.face_groups.size(); ++g) {
-      for (const InpFace& f : model_.face_groups[g].faces) {
+      const std::vector<InpFace>& faces = model_.face_groups[g].faces;
+      for (const InpFace& f : faces) {
         add(span_of(model_.element2tet)[f.element], kInpOppositeFace[to_size_t(f.face)], to_index(g));
       }
+      if (!faces.empty()) vertex2groups_.emplace_back(face_of(faces[0])[0], to_index(g));
     }
+    std::sort(vertex2groups_.begin(), vertex2groups_.end());
     for (std::size_t s = 0; s < model_.sets.size(); ++s) {
       if (model_.sets[s].of_nodes) cover(to_index(s));
     }
@@ -156,68 +160,60 @@ class InpPatches {
 
   /// Sets the regions with all vertices in a set, and marks these as covered.
   void find_regions(InpSet& set) {
-    std::vector<std::uint8_t> is_whole(model_.regions.size(), 0);
-    count_tets();
-    for (std::size_t r = 0; r < is_whole.size(); ++r) {
-      // The tetrahedra of a valid mesh of n vertices are fewer than n^2, which spares small sets a pass over the mesh.
-      // A region may have other elements alone.
-      const bool is_possible = tets_of_region_[r] <= set.members.size() * set.members.size();
-      if (tets_of_region_[r] > 0 && is_possible) is_whole[r] = 1;
-    }
-    if (std::find(is_whole.begin(), is_whole.end(), 1) == is_whole.end()) return;
-    for_each_region([&](Index t, std::size_t region) {
-      const auto& tet = span_of(mesh_.tets)[t];
-      if (is_whole[region] != 0 && std::any_of(tet.begin(), tet.end(), [this](Index v) { return is_outside(v); })) {
-        is_whole[region] = 0;
-      }
-    });
-    for (std::size_t r = 0; r < is_whole.size(); ++r) {
-      if (is_whole[r] != 0) set.regions.push_back(model_.regions[r].tag);
-    }
-    if (set.regions.empty()) return;
-    for_each_region([&](Index t, std::size_t region) {
-      for (const Index v : span_of(mesh_.tets)[t]) {
-        if (is_whole[region] != 0) span_of(mark_)[v] = kCovered;
-      }
+    find_region_of_tets();
+    std::map<std::size_t, std::size_t> tets_inside;  // by region
+    for_each_tet_inside(set, [&](Index t) { ++tets_inside[span_of(tet2region_)[t]]; });
+    std::erase_if(tets_inside, [this](const auto& entry) { return entry.second < tets_of_region_[entry.first]; });
+    if (tets_inside.empty()) return;
+    for (const auto& [region, tets] : tets_inside) set.regions.push_back(model_.regions[region].tag);
+    for_each_tet_inside(set, [&](Index t) {
+      if (!tets_inside.contains(span_of(tet2region_)[t])) return;
+      for (const Index v : span_of(mesh_.tets)[t]) span_of(mark_)[v] = kCovered;
     });
   }
-  void count_tets() {
-    if (!tets_of_region_.empty()) return;
-    tets_of_region_.assign(model_.regions.size(), 0);
-    for_each_region([this](Index, std::size_t region) { ++tets_of_region_[region]; });
-  }
-  /// Calls f(tetrahedron, position of its region).
+  /// Calls f(tetrahedron) for those with all vertices in a set.
   template <class F>
-  void for_each_region(const F& f) const {
-    std::size_t region = 0;
-    for (Index t = 0; t < std::ssize(mesh_.tets); ++t) {
-      const int tag = span_of(mesh_.tet_tags)[t];
-      if (model_.regions[region].tag != tag) {
-        const auto at = std::lower_bound(model_.regions.begin(), model_.regions.end(), tag,
-                                         [](const InpRegion& r, int wanted) { return r.tag < wanted; });
-        region = to_size_t(at - model_.regions.begin());
+  void for_each_tet_inside(const InpSet& set, const F& f) {
+    for (const Index v : set.members) {
+      for (const Index t : vertex2tets().of(v)) {
+        const auto& tet = span_of(mesh_.tets)[t];
+        const bool is_first = v == *std::min_element(tet.begin(), tet.end());
+        if (is_first && std::none_of(tet.begin(), tet.end(), [this](Index u) { return is_outside(u); })) f(t);
       }
-      f(t, region);
+    }
+  }
+  void find_region_of_tets() {
+    if (!tet2region_.empty()) return;
+    tets_of_region_.assign(model_.regions.size(), 0);
+    for (const int tag : mesh_.tet_tags) {
+      tet2region_.push_back(to_size_t(find_inp_tag(model_.regions, tag)));
+      ++tets_of_region_[tet2region_.back()];
     }
   }
 
   /// Takes the face groups with all vertices in a set.
   void take_groups(InpSet& set) {
-    for (std::size_t g = 0; g < model_.face_groups.size(); ++g) {
-      const std::vector<InpFace>& faces = model_.face_groups[g].faces;
-      const auto vertices_of = [this](const InpFace& f) {
-        return outward_face(span_of(model_.element2tet)[f.element], kInpOppositeFace[to_size_t(f.face)]);
+    std::vector<Index> candidates;
+    for (const Index v : set.members) {
+      auto at = std::lower_bound(vertex2groups_.begin(), vertex2groups_.end(), std::pair{v, Index{-1}});
+      for (; at != vertex2groups_.end() && at->first == v; ++at) candidates.push_back(at->second);
+    }
+    std::sort(candidates.begin(), candidates.end());
+    for (const Index g : candidates) {
+      const std::vector<InpFace>& faces = span_of(model_.face_groups)[g].faces;
+      const auto is_in_set = [this](const InpFace& f) {
+        const auto face = face_of(f);
+        return std::none_of(face.begin(), face.end(), [this](Index v) { return is_outside(v); });
       };
-      const auto is_in_set = [&](const InpFace& f) {
-        const auto face = vertices_of(f);
-        return std::all_of(face.begin(), face.end(), [this](Index v) { return span_of(mark_)[v] != kOutside; });
-      };
-      if (faces.empty() || !std::all_of(faces.begin(), faces.end(), is_in_set)) continue;
-      set.groups.push_back(to_index(g));
+      if (!std::all_of(faces.begin(), faces.end(), is_in_set)) continue;
+      set.groups.push_back(g);
       for (const InpFace& f : faces) {
-        for (const Index v : vertices_of(f)) span_of(mark_)[v] = kCovered;
+        for (const Index v : face_of(f)) span_of(mark_)[v] = kCovered;
       }
     }
+  }
+  std::array<Index, 3> face_of(const InpFace& f) const {
+    return outward_face(span_of(model_.element2tet)[f.element], kInpOppositeFace[to_size_t(f.face)]);
   }
 
   /// The faces with all vertices in a set and one of them not covered yet, sorted.
@@ -299,16 +295,14 @@ class InpPatches {
 
   /// A set with the vertices of a face group has those of its patches.
   void take_patches_of_groups() {
+    const std::vector<std::vector<int>> group2tags = tags_of_face_groups(model_);
     for (InpSet& set : model_.sets) {
-      if (set.groups.empty()) continue;
-      for (const InpPatch& patch : model_.patches) {
-        const auto is_taken = [&set](const InpPatchMember& m) {
-          return std::find(set.groups.begin(), set.groups.end(), m.group) != set.groups.end();
-        };
-        if (std::any_of(patch.members.begin(), patch.members.end(), is_taken)) set.patches.push_back(patch.tag);
+      for (const Index g : set.groups) {
+        const std::vector<int>& tags = span_of(group2tags)[g];
+        set.patches.insert(set.patches.end(), tags.begin(), tags.end());
       }
+      sort_unique(set.patches);
     }
-    for (InpSet& set : model_.sets) sort_unique(set.patches);
   }
 
   static constexpr std::uint8_t kOutside = 0, kInSet = 1, kCovered = 2;
@@ -324,9 +318,11 @@ class InpPatches {
   std::vector<std::array<Index, 3>> triangles_;
   std::vector<Index> combination_;  ///< per triangle
 
+  /// Face groups by a vertex of their first face, ascending.
+  std::vector<std::pair<Index, Index>> vertex2groups_;
   backend::Cpu cpu_{1};
   std::optional<VertexTets> vertex2tets_;
-  std::vector<std::size_t> tets_of_region_;
+  std::vector<std::size_t> tet2region_, tets_of_region_;  ///< positions in InpModel::regions, and numbers
   std::vector<std::uint8_t> mark_;
   std::vector<Index> held_;
   std::string names_of_held_;
@@ -335,6 +331,14 @@ class InpPatches {
 };
 
 }  // namespace
+
+std::vector<std::vector<int>> tags_of_face_groups(const InpModel& model) {
+  std::vector<std::vector<int>> group2tags(model.face_groups.size());
+  for (const InpPatch& patch : model.patches) {
+    for (const InpPatchMember& m : patch.members) span_of(group2tags)[m.group].push_back(patch.tag);
+  }
+  return group2tags;
+}
 
 void find_inp_patches(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context) {
   InpPatches(scan, model, mesh, context).find();

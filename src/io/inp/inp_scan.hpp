@@ -86,6 +86,9 @@ void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const Io
 /// nodes is held.
 void find_inp_patches(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context);
 
+/// The tags of the patches of each face group; one can occur twice.
+std::vector<std::vector<int>> tags_of_face_groups(const InpModel& model);
+
 /// Gives each tetrahedron a tag by the sets that it is in, and each triangle of a surface one by its surfaces, so that
 /// every set is a union of tags; and holds the nodes and elements that other cards name by number.
 void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context);
