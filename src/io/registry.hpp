@@ -14,9 +14,9 @@
 
 namespace tetune {
 
-/// A program in the installation's own folder that uses a library of the field for files. It is a
-/// process of its own: starting the library costs nothing where it is not used, its crash on a damaged file is an error
-/// message here, its license and its symbols stay with it.
+/// A program in the installation's own folder that reads and writes files through a library. It is a process of its
+/// own: the library is loaded where it is used, its crash on a damaged file is an error message, and its license and
+/// symbols do not affect tetune.
 struct Plugin {
   /// File name of the program.
   const char* program;

@@ -232,12 +232,12 @@ GeometryMatch Geometry::match(const TetMesh& mesh, double tolerance) const {
 
 std::vector<Point3> Geometry::project(const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
                                       const std::vector<double>& radii) const {
-  return request_feet(*session_, {unit_, threads_}, points, entities, radii);
+  return request_projections(*session_, {unit_, threads_}, points, entities, radii);
 }
 
-std::vector<Point3> request_feet(PluginSession& session, const ProjectSettings& settings,
-                                 const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
-                                 const std::vector<double>& radii) {
+std::vector<Point3> request_projections(PluginSession& session, const ProjectSettings& settings,
+                                        const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
+                                        const std::vector<double>& radii) {
   ProjectQuery query{settings.threads, settings.precision, {}, {}, {}, {}};
   std::vector<Index> asked;
   for (Size i = 0; i < std::ssize(points); ++i) {

@@ -119,7 +119,7 @@ GeometryDeviation Geometry::measure(const std::vector<Point3>& points, const Geo
   const std::size_t midpoints = all.points.size();
   all.append(sampling.centers());
   const std::vector<Point3> closest_points =
-      request_feet(*session_, {unit_, threads_, kPrecision}, all.points, all.entities, all.radii);
+      request_projections(*session_, {unit_, threads_, kPrecision}, all.points, all.entities, all.radii);
   for (std::size_t i = 0; i < closest_points.size(); ++i) {
     const double distance = norm(vec(closest_points[i]) - vec(all.points[i]));
     if (i < midpoints) {

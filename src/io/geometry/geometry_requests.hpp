@@ -15,9 +15,9 @@ struct ProjectSettings {
   double precision = 0;
 };
 
-/// Geometry::project() by its process.
-std::vector<Point3> request_feet(PluginSession& session, const ProjectSettings& settings,
-                                 const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
-                                 const std::vector<double>& radii);
+/// Geometry::project() by a request to the plugin.
+std::vector<Point3> request_projections(PluginSession& session, const ProjectSettings& settings,
+                                        const std::vector<Point3>& points, const std::vector<GeometryEntity>& entities,
+                                        const std::vector<double>& radii);
 
 }  // namespace tetune

@@ -48,8 +48,7 @@ struct InpSet {
   bool adds_middles = false;
   /// Positions in InpModel::set_cards.
   std::vector<Index> cards;
-  /// Whether one line of faces alone uses a set of tetrahedra: it is made again from these faces, and defines no
-  /// region.
+  /// Whether a set of tetrahedra is used by one line of faces alone: it follows these faces, and defines no region.
   bool is_auxiliary = false;
   /// Whether every member of a set of nodes keeps its position.
   bool is_held = false;

@@ -94,7 +94,7 @@ class InpFollower {
     }
     return direct;
   }
-  /// Finds the members of the auxiliary sets of a group: an element stays in its set, others come into the first one.
+  /// Finds the members of the auxiliary sets of a group: an element stays in its set, a new one joins the first.
   void collect_members(const InpFaceGroup& group, const std::vector<InpLabeledFace>& direct,
                        const std::vector<InpLabeledFace>& faces) {
     for (const InpLabeledFace& f : faces) {

@@ -39,7 +39,7 @@ std::string unquoted_inp_name(std::string_view written);
 /// Reads an integer of at most 18 digits that fills the field; returns false for other fields.
 bool parse_inp_integer(std::string_view field, std::int64_t& value);
 
-/// How tetune treats an element type.
+/// The role of an element type in a mesh.
 struct InpElementType {
   enum class Role { tetrahedron, quadratic_tetrahedron, block, triangle, edge, unknown };
   Role role = Role::unknown;
@@ -53,7 +53,7 @@ struct InpElementType {
 };
 InpElementType inp_element_type(const std::string& type);
 
-/// The face with this opposite vertex (0 to 3) in the numbering of Abaqus, 1 to 4, and the other way.
+/// The number of a face in Abaqus, 1 to 4, by the opposite vertex, 0 to 3; and the opposite vertex by that number.
 inline constexpr std::array<int, 4> kInpFaceOpposite{3, 4, 2, 1};
 inline constexpr std::array<int, 5> kInpOppositeFace{-1, 3, 2, 0, 1};
 

@@ -155,7 +155,7 @@ Middles add_inp_middles(const InpModel& model, TetMesh& mesh) {
     const bool is_still =
         span_of(model.points)[p] == span_of(mesh.points)[a] && span_of(model.points)[q] == span_of(mesh.points)[b];
     if (model.is_straight && mesh.curved_edges.empty() && is_still) {
-      span_of(bare.points)[v] = span_of(model.points)[at->second];  // as it was, but for rounding
+      span_of(bare.points)[v] = span_of(model.points)[at->second];  // which differs by rounding
     }
   };
   for (const auto& tet : mesh.tets) {

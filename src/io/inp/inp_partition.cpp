@@ -160,8 +160,8 @@ class InpGroups {
   FreeNumbers numbers_{{}};
 };
 
-/// The tags of the quadrilaterals in a set, without those that patches have by chance: a set that is named for the tag
-/// has the quadrilaterals and the patch in one group.
+/// The tags of the quadrilaterals in a set, but for those that a patch has too, unless a set is named for the tag: then
+/// both are in one group.
 std::vector<int> tags_of_quads(const InpSet& set, const InpModel& model) {
   std::vector<int> tags = set.quads;
   std::erase_if(tags, [&model](int tag) {

@@ -9,6 +9,7 @@
 #include "io/inp/inp_match.hpp"
 #include "io/inp/inp_scan.hpp"
 #include "io/inp/inp_tags.hpp"
+#include "io/plain_text.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/vertex_tets.hpp"
 #include "tetune/validate.hpp"
@@ -33,7 +34,7 @@ class InpPatches {
       : scan_(scan), model_(model), mesh_(mesh), context_(context) {}
 
   void find() {
-    find_turned();
+    find_reversed();
     hold_sets();
     for (std::size_t g = 0; g < model_.face_groups.size(); ++g) {
       const std::vector<InpFace>& faces = model_.face_groups[g].faces;
@@ -55,14 +56,14 @@ class InpPatches {
                                    ? "no region and no part of the boundary has these sets as its nodes, or as "
                                      "other cards take their nodes one by one"
                                    : "other cards take their nodes one by one";
-    context_.warn(std::to_string(held_.size()) + " nodes of the sets " + names_of_held_ + " keep their place, as " +
-                  reason);
+    context_.warn(std::to_string(held_.size()) + " nodes of the sets " + listed_texts(names_of_held_) +
+                  " keep their place, as " + reason);
   }
 
  private:
-  /// Finds the tetrahedra that read_mesh() will turn: an inverted one among others keeps its sense, so that its faces
-  /// have the same sides when it is written.
-  void find_turned() {
+  /// Finds the tetrahedra that read_mesh() reverses, so that their faces have the same sides in the mesh that it
+  /// returns.
+  void find_reversed() {
     TetMesh oriented;
     oriented.points.swap(mesh_.points);
     oriented.point_tags.assign(oriented.points.size(), 0);
@@ -70,8 +71,8 @@ class InpPatches {
     oriented.tet_tags.assign(oriented.tets.size(), 0);
     orient_uniformly(oriented, 1);
     oriented.points.swap(mesh_.points);
-    is_turned_.resize(oriented.tets.size());
-    for (std::size_t t = 0; t < is_turned_.size(); ++t) is_turned_[t] = oriented.tets[t] != mesh_.tets[t];
+    is_reversed_.resize(oriented.tets.size());
+    for (std::size_t t = 0; t < is_reversed_.size(); ++t) is_reversed_[t] = oriented.tets[t] != mesh_.tets[t];
   }
 
   /// A face with its vertices counter-clockwise as seen from outside a tetrahedron.
@@ -80,7 +81,7 @@ class InpPatches {
     const Tet tet{{v[0], v[1], v[2], v[3]}};
     std::array<Index, 3> face{tet[face_vertex(opposite, 0)], tet[face_vertex(opposite, 1)],
                               tet[face_vertex(opposite, 2)]};
-    if (is_turned_[to_size_t(t)]) std::swap(face[1], face[2]);
+    if (is_reversed_[to_size_t(t)]) std::swap(face[1], face[2]);
     return face;
   }
 
@@ -259,7 +260,7 @@ class InpPatches {
     if (!set.is_held) set.rest.assign(held_.begin() + std::ptrdiff_t(before), held_.end());
     if (held_.size() == before) return;
     (set.is_held ? is_any_single_ : is_any_rest_) = true;
-    names_of_held_ += (names_of_held_.empty() ? "" : ", ") + set.name;
+    names_of_held_.push_back(set.name);
   }
 
   // Tags and triangles of the mesh.
@@ -313,7 +314,7 @@ class InpPatches {
   const IoContext& context_;
 
   Combinations<InpPatchMember> combinations_;
-  std::vector<bool> is_turned_;                      ///< per tetrahedron
+  std::vector<bool> is_reversed_;                    ///< per tetrahedron
   std::map<std::array<Index, 3>, Index> positions_;  ///< of triangles, by their vertices in ascending order
   std::vector<std::array<Index, 3>> triangles_;
   std::vector<Index> combination_;  ///< per triangle
@@ -325,8 +326,8 @@ class InpPatches {
   std::vector<std::size_t> tet2region_, tets_of_region_;  ///< positions in InpModel::regions, and numbers
   std::vector<std::uint8_t> mark_;
   std::vector<Index> held_;
-  std::string names_of_held_;
-  /// Whether some of these sets are held as a whole; and some as they are no nodes of regions and patches.
+  std::vector<std::string> names_of_held_;
+  /// Whether some of these sets are held as a whole; and whether some have nodes beside those of regions and patches.
   bool is_any_single_ = false, is_any_rest_ = false;
 };
 

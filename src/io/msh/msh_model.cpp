@@ -83,6 +83,10 @@ void join(MshElements& list, std::size_t corners, const std::vector<std::uint8_t
 }  // namespace
 
 void find_dimensions_of_names(MshModel& model) {
+  std::set<std::pair<int, int>> in_use;  // dimensions and numbers of groups
+  for (const MshCell& cell : model.cells) {
+    for (const int group : cell.groups) in_use.emplace(cell.dimension, group);
+  }
   std::vector<MshName> names;
   for (const MshName& name : model.names) {
     if (name.dimension != kMshAnyDimension) {
@@ -90,10 +94,7 @@ void find_dimensions_of_names(MshModel& model) {
       continue;
     }
     for (int dimension = 0; dimension <= 3; ++dimension) {
-      const bool is_used = std::any_of(model.cells.begin(), model.cells.end(), [&](const MshCell& cell) {
-        return cell.dimension == dimension && std::count(cell.groups.begin(), cell.groups.end(), name.number) > 0;
-      });
-      if (is_used) names.push_back({dimension, name.number, name.name});
+      if (in_use.contains({dimension, name.number})) names.push_back({dimension, name.number, name.name});
     }
   }
   model.names = std::move(names);

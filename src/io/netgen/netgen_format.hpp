@@ -11,8 +11,8 @@ namespace tetune {
 /// The section of a file that lists an element.
 enum class NetgenSection : std::uint8_t { surface, volume };
 
-/// A kind of other elements in Netgen's files, by its number of nodes. Solids are listed the other way around than in
-/// MEDIT's and VTK's files: vertex k there is vertex order[k] here, and the reverse.
+/// A kind of other elements in Netgen's files, by its number of nodes. Solids have the opposite orientation to those in
+/// MEDIT's and VTK's files: vertex k there is vertex order[k] here, and vice versa.
 struct NetgenKind {
   const char* kind;
   int vertices;
