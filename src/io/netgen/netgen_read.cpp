@@ -291,17 +291,16 @@ class NetgenReader {
         mesh_.periodic.push_back(std::move(link));
       }
     }
-    const auto vertices = std::int64_t(mesh_.points.size());
+    const auto check = [this](const char* what, Index v) {
+      if (to_size_t(v) < mesh_.points.size()) return;
+      cursor_.fail(std::string(what) + " " + std::to_string(v + 1) + ", and the file has " +
+                   std::to_string(mesh_.points.size()) + " points");
+    };
     MiddleList& middles = collector_.middles();
     middles.complete[1] = mesh_.edges.size();  // edges have no mid-side nodes, and get none on writing
-    for (const Middle& m : middles.nodes) {
-      if (std::max({m.node, m.ends[0], m.ends[1]}) >= vertices)
-        cursor_.fail("an element has a point that does not exist");
-    }
+    for (const Middle& m : middles.nodes) check("an element has point", std::max({m.node, m.ends[0], m.ends[1]}));
     for (const PeriodicLink& link : mesh_.periodic) {
-      for (const auto& [a, b] : link.pairs) {
-        if (std::max(a, b) >= vertices) cursor_.fail("an identified point does not exist");
-      }
+      for (const auto& [a, b] : link.pairs) check("an identification has point", std::max(a, b));
     }
     try {
       for (const std::string& text : erase_middles(middles, mesh_)) context_.warn(path_ + ": " + text);
