@@ -162,11 +162,12 @@ class InpPatches {
   /// Sets the regions with all vertices in a set, and marks these as covered.
   void find_regions(InpSet& set) {
     find_region_of_tets();
-    std::map<std::size_t, std::size_t> tets_inside;  // by region
+    std::map<Index, std::size_t> tets_inside;  // by region
     for_each_tet_inside(set, [&](Index t) { ++tets_inside[span_of(tet2region_)[t]]; });
-    std::erase_if(tets_inside, [this](const auto& entry) { return entry.second < tets_of_region_[entry.first]; });
+    std::erase_if(tets_inside,
+                  [this](const auto& entry) { return entry.second < span_of(tets_of_region_)[entry.first]; });
     if (tets_inside.empty()) return;
-    for (const auto& [region, tets] : tets_inside) set.regions.push_back(model_.regions[region].tag);
+    for (const auto& [region, tets] : tets_inside) set.regions.push_back(span_of(model_.regions)[region].tag);
     for_each_tet_inside(set, [&](Index t) {
       if (!tets_inside.contains(span_of(tet2region_)[t])) return;
       for (const Index v : span_of(mesh_.tets)[t]) span_of(mark_)[v] = kCovered;
@@ -175,20 +176,32 @@ class InpPatches {
   /// Calls f(tetrahedron) for those with all vertices in a set.
   template <class F>
   void for_each_tet_inside(const InpSet& set, const F& f) {
+    const auto is_inside = [this](const std::array<Index, 4>& tet) {
+      return std::none_of(tet.begin(), tet.end(), [this](Index v) { return is_outside(v); });
+    };
+    if (set.members.size() > mesh_.tets.size() / kTetsPerMember) {
+      for (Index t = 0; t < std::ssize(mesh_.tets); ++t) {
+        if (is_inside(span_of(mesh_.tets)[t])) f(t);
+      }
+      return;
+    }
     for (const Index v : set.members) {
       for (const Index t : vertex2tets().of(v)) {
         const auto& tet = span_of(mesh_.tets)[t];
         const bool is_first = v == *std::min_element(tet.begin(), tet.end());
-        if (is_first && std::none_of(tet.begin(), tet.end(), [this](Index u) { return is_outside(u); })) f(t);
+        if (is_first && is_inside(tet)) f(t);
       }
     }
   }
   void find_region_of_tets() {
     if (!tet2region_.empty()) return;
     tets_of_region_.assign(model_.regions.size(), 0);
+    tet2region_.reserve(mesh_.tets.size());
+    Index region = -1;
     for (const int tag : mesh_.tet_tags) {
-      tet2region_.push_back(to_size_t(find_inp_tag(model_.regions, tag)));
-      ++tets_of_region_[tet2region_.back()];
+      if (region < 0 || span_of(model_.regions)[region].tag != tag) region = find_inp_tag(model_.regions, tag);
+      tet2region_.push_back(region);
+      ++span_of(tets_of_region_)[region];
     }
   }
 
@@ -306,6 +319,8 @@ class InpPatches {
     }
   }
 
+  /// A set of more than one vertex per this number of tetrahedra is searched by a pass over all of them.
+  static constexpr std::size_t kTetsPerMember = 16;
   static constexpr std::uint8_t kOutside = 0, kInSet = 1, kCovered = 2;
 
   const InpScan& scan_;
@@ -323,7 +338,8 @@ class InpPatches {
   std::vector<std::pair<Index, Index>> vertex2groups_;
   backend::Cpu cpu_{1};
   std::optional<VertexTets> vertex2tets_;
-  std::vector<std::size_t> tet2region_, tets_of_region_;  ///< positions in InpModel::regions, and numbers
+  std::vector<Index> tet2region_;            ///< positions in InpModel::regions
+  std::vector<std::size_t> tets_of_region_;  ///< numbers of tetrahedra
   std::vector<std::uint8_t> mark_;
   std::vector<Index> held_;
   std::vector<std::string> names_of_held_;

@@ -165,8 +165,10 @@ void MshElementReader::add_element(const MshType& type, Index cell, std::int64_t
   list.corners.insert(list.corners.end(), listed.begin(), listed.begin() + type.corners);
   if (type.nodes > type.corners) {
     add_middles(listed, msh_middle_edges(type), model_.middles);
-    if (type.list < kMshFirstOther) list.has_middles.resize(list.cell.size() + 1, 0);
-    if (type.list < kMshFirstOther) list.has_middles.back() = 1;
+    if (type.list < kMshFirstOther) {
+      list.has_middles.resize(list.cell.size() + 1, 0);
+      list.has_middles.back() = 1;
+    }
   }
   list.cell.push_back(cell);
   list.number.push_back(number);
