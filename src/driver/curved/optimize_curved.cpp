@@ -2,7 +2,6 @@
 #include "driver/curved/optimize_curved.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -14,7 +13,7 @@
 #include "driver/curved/curved_refusal.hpp"
 #include "driver/curved/curved_skeleton.hpp"
 #include "driver/curved/curved_slide.hpp"
-#include "driver/curved/split_bounded.hpp"
+#include "driver/curved/split_elements.hpp"
 #include "driver/curved/straighten.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/report/dof_counts.hpp"
@@ -84,9 +83,7 @@ class CurvedOptimizer {
   static constexpr int kMaxAttempts = 4;
   static constexpr int kMaxSlidingAttempts = 12;
   static constexpr int kAttemptsPerRing = 4;  ///< later ones lock more around a bad element
-  static constexpr int kMaxRounds = 4;        ///< of splits and relaxation
-  /// Splits that make elements valid are not limited.
-  static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  static constexpr int kMaxRounds = 4;        ///< of splits of elements that their held nodes make invalid
 
   /// With other data than carried ones the result has places in the input, which one run alone gives.
   bool slides_at_once() const { return options_.data != DataTransfer::carry; }
@@ -210,10 +207,13 @@ class CurvedOptimizer {
     goal.min_dihedral = 0;
     goal.only_valid = true;
     split_hopeless(invalid);
-    relax_curved(base_, held_, find_relaxable(), goal);
+    // Without straightening, elements with a folded face are refused below, and all others that are not valid counted.
+    relax_curved(base_, held_,
+                 options_.straighten ? find_unfolded(base_, options_.threads) : find_invalid(base_, options_.threads),
+                 goal);
     const std::vector<Index> rest = find_invalid(base_, options_.threads);
     if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
-    split_invalid(goal);
+    if (may_insert()) split_invalid(base_, held_, origins_, goal);
     if (options_.straighten) extend_options();
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
     const std::vector<Index> left = find_invalid(base_, options_.threads);
@@ -230,38 +230,13 @@ class CurvedOptimizer {
       std::vector<Index> tets = find_bounded(base_, held_, 0);
       std::erase_if(
           tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), span_of(origins_.tets)[t]); });
-      if (tets.empty() || split_edges(base_, held_, tets, kUnlimited, origins_).empty()) return;
+      if (tets.empty() || split_edges(base_, held_, tets, kUnlimitedSplits, origins_).empty()) return;
       held_.vertices.resize(base_.points.size(), 0);
     }
-  }
-
-  /// Elements that are not valid; those with a folded face only where all are to be counted.
-  std::vector<Index> find_relaxable() const {
-    std::vector<Index> tets = find_invalid(base_, options_.threads);
-    if (!options_.straighten) return tets;
-    const std::vector<Index> folded = with_folded_face(base_, tets);
-    erase_listed(tets, folded);
-    return tets;
   }
 
   bool may_insert() const {
     return options_.untangle && !options_.keep_vertices && options_.data == DataTransfer::carry;
-  }
-
-  /// Inserts vertices into elements that are not valid, except where a folded face makes that useless.
-  void split_invalid(const RelaxationGoal& goal) {
-    for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
-      std::vector<Index> left = find_invalid(base_, options_.threads);
-      const std::vector<Index> folded = with_folded_face(base_, left);
-      erase_listed(left, folded);
-      if (left.empty()) break;
-      const std::vector<Index> around = split_edges(base_, held_, left, kUnlimited, origins_);
-      if (around.empty()) break;
-      held_.vertices.resize(base_.points.size(), 0);
-      left.insert(left.end(), around.begin(), around.end());
-      sort_unique(left);
-      relax_curved(base_, held_, left, goal);
-    }
   }
 
   /// Inserted vertices have data, and are not frozen.
