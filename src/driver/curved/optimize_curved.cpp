@@ -57,9 +57,10 @@ class CurvedOptimizer {
     make_base_valid();
     const bool slides = options_.boundary == Boundary::slide;
     const bool runs_twice = slides && !slides_at_once();
+    const Surface first = slides && !runs_twice ? Surface::slides : Surface::stays;
     TetMesh result;
-    Report report = *run_stage(result, slides && !runs_twice, runs_twice ? scaled_progress(context_, 0, 0.5) : context_,
-                               OnStop::complete);
+    Report report =
+        *run_stage(result, first, runs_twice ? scaled_progress(context_, 0, 0.5) : context_, OnStop::complete);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
     if (runs_twice) counts_input_ = false;  // the surface has not slid
@@ -77,6 +78,7 @@ class CurvedOptimizer {
     all,
   };
   enum class OnStop { complete, give_up };
+  enum class Surface { stays, slides };
 
   /// The number of attempts that lock tetrahedra near bad ones, with a surface that stays or slides. Then curved ones
   /// are locked, and if that does not suffice, all.
@@ -110,12 +112,12 @@ class CurvedOptimizer {
 
   /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base; with
   /// OnStop::give_up nothing, if a stop is requested before it begins, or while nodes of the surface are lifted.
-  std::optional<Report> run_stage(TetMesh& result, bool slides, const Context& context, OnStop on_stop) {
+  std::optional<Report> run_stage(TetMesh& result, Surface surface, const Context& context, OnStop on_stop) {
     std::optional<CurvedSlide> slide;
-    if (slides) slide.emplace(base_, options_.feature_angle);
+    if (surface == Surface::slides) slide.emplace(base_, options_.feature_angle);
     floor_ = smallest(base_) - kAccuracy;
     if (on_stop == OnStop::give_up && is_stopped()) return std::nullopt;
-    const int max_attempts = slides ? kMaxSlidingAttempts : kMaxAttempts;
+    const int max_attempts = slide ? kMaxSlidingAttempts : kMaxAttempts;
     double linear_bound = 0;
     std::vector<Index> locked;
     if (changes_nothing()) locked = identity_map(base_.tets.size());
@@ -124,7 +126,7 @@ class CurvedOptimizer {
       if (locking == Locking::curved) locked = all_curved(base_);
       if (locking == Locking::all) locked = identity_map(base_.tets.size());
       CurvedSkeleton skeleton(base_, held_, locked, slide ? &*slide : nullptr);
-      Report report = optimize(skeleton.mesh, linear_options(slides, linear_bound),
+      Report report = optimize(skeleton.mesh, linear_options(surface, linear_bound),
                                attempt == 0 ? context : Context{{}, context_.stop});
       LiftedNodes lifted;
       if (slide) {
@@ -145,7 +147,7 @@ class CurvedOptimizer {
       if (slide && options_.max_deviation > 0) {
         deviation = slide->deviation(skeleton.mesh, report, options_, context_.stop);
       }
-      const std::vector<Index> bad = relax(skeleton.mesh, report, slides);
+      const std::vector<Index> bad = relax(skeleton.mesh, report, surface);
       if ((bad.empty() && deviation.vertices.empty()) || locking == Locking::all) {
         split_bounded_of(skeleton.mesh, report);
         report.deviation = deviation.bound + straightened_distance();
@@ -179,7 +181,7 @@ class CurvedOptimizer {
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
     std::optional<Report> further =
-        run_stage(slid, /*slides=*/true, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
+        run_stage(slid, Surface::slides, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
     if (!further) return;
     if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) {
       counts_input_ = false;
@@ -261,9 +263,9 @@ class CurvedOptimizer {
   static std::vector<Index> all_curved(const TetMesh& mesh) { return curved_tets(mesh, CurvedEdges(mesh)); }
 
   /// Elements that are below the limit or not valid, or flattened.
-  std::vector<Index> find_bad(const TetMesh& mesh, double limit, bool slides) const {
+  std::vector<Index> find_bad(const TetMesh& mesh, double limit, Surface surface) const {
     std::vector<Index> bad = not_valid_or_below(measure(mesh), limit);
-    if (!slides) return bad;
+    if (surface == Surface::stays) return bad;
     const std::vector<Index> flat = flatter_than(mesh, goal_.min_dihedral, options_.threads);
     bad.insert(bad.end(), flat.begin(), flat.end());
     sort_unique(bad);
@@ -271,11 +273,11 @@ class CurvedOptimizer {
   }
 
   /// Relaxes the elements of a small scaled Jacobian. Returns those that are not valid or below the floor then.
-  std::vector<Index> relax(TetMesh& mesh, const Report& report, bool slides) const {
+  std::vector<Index> relax(TetMesh& mesh, const Report& report, Surface surface) const {
     const double limit = options_.max_iterations == 0 ? floor_ : std::max(kRelaxBelow, floor_);
-    const std::vector<Index> low = find_bad(mesh, limit, slides);
+    const std::vector<Index> low = find_bad(mesh, limit, surface);
     if (!low.empty()) relax_curved(mesh, find_held(mesh, options_of(report)), low, goal_);
-    return find_bad(mesh, floor_, slides);
+    return find_bad(mesh, floor_, surface);
   }
 
   /// Splits elements that flips made with two faces on the surface, unless something is worse then.
@@ -316,7 +318,8 @@ class CurvedOptimizer {
     lock_around(base_, is_near, rings, locked);
   }
 
-  Options linear_options(bool slides, double max_deviation) const {
+  Options linear_options(Surface surface, double max_deviation) const {
+    const bool slides = surface == Surface::slides;
     Options options = options_;
     options.untangle = false;
     options.max_deviation = max_deviation;
