@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <set>
 #include <type_traits>
@@ -292,9 +291,13 @@ bool copy_mesh(const std::string& input, const std::string& output) {
   if (identity(input) == identity(output)) return true;
   // The names of included files are relative to the folder of the input.
   if (files_read(input).size() > 1) return false;
-  std::ifstream file(path_of(input), std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw FileError(input + ": cannot read: " + std::strerror(errno));
+  std::ifstream file(path_of(input), std::ios::binary | std::ios::ate);
+  std::string bytes(std::size_t(std::max<std::streamoff>(0, file.tellg())), '\0');
+  file.seekg(0);
+  // A short read must not become a shorter mesh.
+  if (!file.read(bytes.data(), std::streamsize(bytes.size()))) {
+    throw FileError(input + ": cannot read: " + std::strerror(errno));
+  }
   write_text(output, bytes);
   return true;
 }

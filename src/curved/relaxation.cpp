@@ -56,7 +56,7 @@ std::vector<TetList> find_patches(const TetMesh& mesh, const VertexTets& vertex2
   return patches;
 }
 
-/// The state of a patch as it is judged.
+/// The quantities that a new state of a patch must improve.
 struct PatchQuality {
   std::int64_t not_valid = 0;
   double min_scaled_jacobian = 1;

@@ -28,7 +28,7 @@ namespace tetune {
 namespace {
 
 constexpr int kMaxTargetRounds = 4;
-/// Number of tetrahedra up to which no round is too long.
+/// Rounds on at most this number of tetrahedra are never too long.
 constexpr std::ptrdiff_t kLarge = 50'000;
 /// The relative error of a smallest mean ratio.
 constexpr double kRounding = 1e-9;

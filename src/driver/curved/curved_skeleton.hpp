@@ -39,7 +39,7 @@ class CurvedSkeleton {
 
   /// The mesh to optimize.
   TetMesh mesh;
-  /// Makes the optimized `mesh` one with curved edges again, and takes the additional constraints away. Curved edges
+  /// Gives the optimized `mesh` its curved edges again, and takes the additional constraints away. Curved edges
   /// are those of the surface, unless an end has moved, and of locked tetrahedra; other inner ones are straight.
   /// `report` is that of the optimization.
   void restore(Report& report);

@@ -111,9 +111,10 @@ struct FillRow {
     double longest2 = 0;
     for (int k = 0; k < 3; ++k) {
       const Vec3 opposite = vec(points[face[k]]) - vec(points[face[(k + 1) % 3]]);
-      for (const double length2 : {dot(from_vertex[k], from_vertex[k]), dot(opposite, opposite)}) {
-        longest2 = length2 > longest2 ? length2 : longest2;
-      }
+      const double own2 = dot(from_vertex[k], from_vertex[k]);
+      const double opposite2 = dot(opposite, opposite);
+      const double longer2 = own2 > opposite2 ? own2 : opposite2;
+      longest2 = longer2 > longest2 ? longer2 : longest2;
     }
     return longest2 * std::sqrt(longest2);
   }
