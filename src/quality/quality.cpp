@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "curved/curved_edges.hpp"
+#include "math/constants.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "quality/shape_loop.hpp"

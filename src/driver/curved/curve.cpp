@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetune/curve.hpp"
 
-#include <algorithm>
 #include <functional>
 #include <optional>
 #include <utility>
 
-#include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/finer_surface.hpp"
 #include "curved/surface_middles.hpp"

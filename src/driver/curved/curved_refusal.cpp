@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <string>
 
-#include "backend/span.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
