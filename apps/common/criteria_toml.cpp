@@ -19,7 +19,6 @@
 // clang-format on
 
 #include <algorithm>
-#include <filesystem>
 
 #include "nearest_name.hpp"
 #include "system/path.hpp"

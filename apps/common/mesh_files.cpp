@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <set>
 #include <type_traits>
@@ -27,6 +26,9 @@ namespace tetune::cli {
 namespace {
 
 constexpr const char* kPlaceholder = "{}";
+
+/// The number of the meshes of a command.
+enum class Meshes { one, several };
 
 std::string read_pipe() {
   std::string bytes;
@@ -57,12 +59,12 @@ bool names_folder(const std::string& name) {
   return name.ends_with('/') || name.ends_with(char(std::filesystem::path::preferred_separator));
 }
 
-std::string fill_in(const std::string& option, const std::string& pattern, const std::string& input, bool several) {
+std::string fill_in(const std::string& option, const std::string& pattern, const std::string& input, Meshes meshes) {
   const std::size_t at = pattern.find(kPlaceholder);
   if (pattern == kPipe && option != "--output") {
     throw OptionError(option + " -: only the mesh can be written to the standard output; give a file name");
   }
-  if (pattern.empty() || (at == std::string::npos && !several)) return pattern;
+  if (pattern.empty() || (at == std::string::npos && meshes == Meshes::one)) return pattern;
   if (at == std::string::npos) {
     throw OptionError(
         fmt::format("{} {}: there are several meshes; use {{}} in the name, which stands for the name of each mesh",
@@ -74,7 +76,7 @@ std::string fill_in(const std::string& option, const std::string& pattern, const
   return pattern.substr(0, at) + path_of(input).stem().string() + pattern.substr(at + std::strlen(kPlaceholder));
 }
 
-std::string output_of(const std::string& pattern, const std::string& input, bool several) {
+std::string output_of(const std::string& pattern, const std::string& input, Meshes meshes) {
   std::error_code ignored;
   const bool folder = names_folder(pattern) || std::filesystem::is_directory(path_of(pattern), ignored);
   if (folder) {
@@ -84,13 +86,13 @@ std::string output_of(const std::string& pattern, const std::string& input, bool
     }
     return (path_of(pattern) / path_of(input).filename()).string();
   }
-  if (several && !pattern.empty() && pattern.find(kPlaceholder) == std::string::npos) {
+  if (meshes == Meshes::several && !pattern.empty() && pattern.find(kPlaceholder) == std::string::npos) {
     throw OptionError(
         fmt::format("--output {}: there are several meshes; give a folder (with / at its end), or a name with {{}}, "
                     "which stands for the name of each mesh",
                     pattern));
   }
-  return fill_in("--output", pattern, input, several);
+  return fill_in("--output", pattern, input, meshes);
 }
 
 /// The name of cell data that are probably numbers of regions, if the tags are all the same: few integers, each of many
@@ -182,14 +184,16 @@ class ClashFinder {
   }
 
   /// Adds the files of the mesh that is made of `input`, which may replace that. Throws OptionError.
-  void add_mesh(const std::string& output, const std::string& input) { add(output, input, /*is_mesh=*/true); }
+  void add_mesh(const std::string& output, const std::string& input) { add(output, input, Content::mesh); }
   /// Adds a text file that is written for `input`. Throws OptionError.
-  void add_text(const std::string& output, const std::string& input) { add(output, input, /*is_mesh=*/false); }
+  void add_text(const std::string& output, const std::string& input) { add(output, input, Content::text); }
 
  private:
-  void add(const std::string& output, const std::string& input, bool is_mesh) {
+  enum class Content { mesh, text };
+
+  void add(const std::string& output, const std::string& input, Content content) {
     if (output.empty() || output == kPipe) return;
-    for (const std::string& file : is_mesh ? files_written(output) : std::vector{output}) {
+    for (const std::string& file : content == Content::mesh ? files_written(output) : std::vector{output}) {
       const std::string same = identity(file);
       const auto [other, first] = written_.emplace(same, input);
       if (!first) {
@@ -198,7 +202,7 @@ class ClashFinder {
                         other->second == input ? "twice" : fmt::format("for {} and for {}", other->second, input)));
       }
       const auto source = replaceable_.find(same);
-      const bool is_other = source != replaceable_.end() && (source->second != input || !is_mesh);
+      const bool is_other = source != replaceable_.end() && (source->second != input || content == Content::text);
       if (is_other || is_read(file, same)) {
         throw OptionError(
             fmt::format("{} would be written for {}, but is read as well; give another name", file, input));
@@ -287,9 +291,13 @@ bool copy_mesh(const std::string& input, const std::string& output) {
   if (identity(input) == identity(output)) return true;
   // The names of included files are relative to the folder of the input.
   if (files_read(input).size() > 1) return false;
-  std::ifstream file(path_of(input), std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw FileError(input + ": cannot read: " + std::strerror(errno));
+  std::ifstream file(path_of(input), std::ios::binary | std::ios::ate);
+  std::string bytes(std::size_t(std::max<std::streamoff>(0, file.tellg())), '\0');
+  file.seekg(0);
+  // A short read must not become a shorter mesh.
+  if (!file.read(bytes.data(), std::streamsize(bytes.size()))) {
+    throw FileError(input + ": cannot read: " + std::strerror(errno));
+  }
   write_text(output, bytes);
   return true;
 }
@@ -332,19 +340,19 @@ OutputFolder::~OutputFolder() {
 
 std::vector<Job> make_jobs(const std::vector<std::string>& inputs, const std::vector<std::string>& read_too,
                            const Job& pattern) {
-  const bool several = inputs.size() > 1;
+  const Meshes meshes = inputs.size() > 1 ? Meshes::several : Meshes::one;
   std::vector<Job> jobs;
-  if (several && std::find(inputs.begin(), inputs.end(), kPipe) != inputs.end()) {
+  if (meshes == Meshes::several && std::find(inputs.begin(), inputs.end(), kPipe) != inputs.end()) {
     throw OptionError("the standard input (-) cannot be one of several meshes");
   }
   ClashFinder clashes(inputs, read_too);
   for (const std::string& input : inputs) {
     const Job job{input,
-                  output_of(pattern.output, input, several),
-                  fill_in("--report", pattern.report, input, several),
-                  fill_in("--trace", pattern.trace, input, several),
-                  fill_in("--map", pattern.map, input, several),
-                  fill_in("--report-html", pattern.page, input, several)};
+                  output_of(pattern.output, input, meshes),
+                  fill_in("--report", pattern.report, input, meshes),
+                  fill_in("--trace", pattern.trace, input, meshes),
+                  fill_in("--map", pattern.map, input, meshes),
+                  fill_in("--report-html", pattern.page, input, meshes)};
     clashes.add_mesh(job.output, input);
     for (const std::string& text : job.texts()) clashes.add_text(text, input);
     jobs.push_back(job);

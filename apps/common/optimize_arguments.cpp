@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -43,9 +42,8 @@ void define_files(CLI::App& c, OptimizeArguments& a) {
        "-o,--output", a.names.output,
        "Mesh to write: " + writable_endings() +
            "; or - for the standard output (MEDIT, binary if the input is). A file that exists is replaced. For "
-           "several meshes: a folder, with / at "
-           "its end, which is made if necessary; or a name with {}, which stands for the name of each mesh without "
-           "ending")
+           "several meshes: a folder, with / at its end, which is made if necessary; or a name with {}, which stands "
+           "for the name of each mesh without ending")
       ->option_text("FILE");
   c.add_flag("--dry-run", a.dry_run,
              "Read and check the mesh, print how it is constrained and estimates of memory and time, write nothing");

@@ -20,7 +20,8 @@ namespace tetune::cli {
 namespace {
 
 /// Lists the tags of regions or patches, with the names of their groups: 10 "steel", 20.
-std::string list_tags(const TetMesh& mesh, bool regions) {
+std::string list_tags(const TetMesh& mesh, TagOrName::Of of) {
+  const bool regions = of == TagOrName::Of::region;
   constexpr std::size_t kShown = 20;
   const std::vector<int>& all = regions ? mesh.tet_tags : mesh.triangle_tags;
   const std::set<int> tags(all.begin(), all.end());
@@ -72,10 +73,9 @@ std::vector<int> find_tags(const std::string& option, const TagOrName& wanted, c
   }
   std::erase_if(found, [&tags](int tag) { return std::find(tags.begin(), tags.end(), tag) == tags.end(); });
   if (!found.empty()) return found;
-  throw OptionError(fmt::format("{}: {} has no {} {}; it has {}", option, mesh_name,
-                                wanted.is_region() ? "region" : "patch",
-                                wanted.name.empty() ? std::to_string(wanted.tag) : "\"" + wanted.name + "\"",
-                                list_tags(mesh, wanted.is_region())));
+  throw OptionError(fmt::format(
+      "{}: {} has no {} {}; it has {}", option, mesh_name, wanted.is_region() ? "region" : "patch",
+      wanted.name.empty() ? std::to_string(wanted.tag) : "\"" + wanted.name + "\"", list_tags(mesh, wanted.of)));
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ std::string to_text(const BoundVerdict& v) {
                      up ? ">=" : "<=", v.bound.value);
 }
 
-std::string defects_of(const Inspection& i) { return validity_message(i.validity, !i.mesh.curved_edges.empty()); }
+std::string defects_of(const Inspection& i) { return validity_message(i.validity, i.mesh); }
 
 /// The first numbers of a list, counted from 1.
 std::vector<Index> first_from_1(const std::vector<Index>& ids) {

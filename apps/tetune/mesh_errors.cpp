@@ -16,7 +16,7 @@ std::string mesh_message(const MeshError& error, const TetMesh& mesh, int thread
     return with_flags(curved->message(true)) + " `tetune info` measures them.";
   }
   const ValidationReport valid = validate(mesh, threads);
-  return valid.ok() ? with_library_flags(error.what()) : validity_message(valid, !mesh.curved_edges.empty(), advice);
+  return valid.ok() ? with_library_flags(error.what()) : validity_message(valid, mesh, advice);
 }
 
 }  // namespace
@@ -34,8 +34,8 @@ std::string untangle_message(const UntangleError& error, const TetMesh& mesh) {
                      center[2]);
 }
 
-std::string validity_message(const ValidationReport& report, bool is_curved, const char* advice) {
-  return report.message(true, is_curved
+std::string validity_message(const ValidationReport& report, const TetMesh& mesh, const char* advice) {
+  return report.message(true, !mesh.curved_edges.empty()
                                   ? "the straight tetrahedra of a curved mesh have to be valid first: make it one "
                                     "of straight tetrahedra (tetune convert --order 1) and untangle this "
                                     "(--untangle)"

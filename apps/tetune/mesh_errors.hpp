@@ -15,8 +15,8 @@ inline constexpr const char* kUntangleFirst = "untangle them first (tetune optim
 /// The tetrahedra that --untangle left, and the position of the first.
 std::string untangle_message(const UntangleError& error, const TetMesh& mesh);
 
-/// The defects of a mesh. If it is curved, --untangle helps its straight tetrahedra only.
-std::string validity_message(const ValidationReport& report, bool is_curved, const char* advice = kUntangleHere);
+/// The defects that validate() has found in a mesh. If it is curved, --untangle helps its straight tetrahedra only.
+std::string validity_message(const ValidationReport& report, const TetMesh& mesh, const char* advice = kUntangleHere);
 
 /// Throws the error that is being handled again, for with_messages().
 [[noreturn]] void rethrow_with_message(const std::string& file, const TetMesh& mesh, int threads, const char* advice);

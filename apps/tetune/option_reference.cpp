@@ -63,15 +63,15 @@ std::string markdown_row(const OptionInfo& option) {
 }
 
 std::string markdown() {
-  std::string text =
-      "# Options\n\n"
-      "The options of `optimize()` have the same names in C++ (`tetune::Options`), in Python (keyword arguments) and "
-      "in\n"
-      "JSON reports. The command line has them as flags, and some more (`tetune optimize --help`). This page is "
-      "generated\n"
-      "from the library's table of options.\n\n"
-      "A value out of its range is refused. An option that has no effect beside the others is not refused: a warning\n"
-      "names it.\n";
+  std::string text = R"(# Options
+
+The options of `optimize()` have the same names in C++ (`tetune::Options`), in Python (keyword arguments) and in
+JSON reports. The command line has them as flags, and some more (`tetune optimize --help`). This page is generated
+from the library's table of options.
+
+A value out of its range is refused. An option that has no effect beside the others is not refused: a warning
+names it.
+)";
   std::string_view group;
   for (const OptionInfo& option : option_table()) {
     if (option.group != group) {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_files.hpp"
-#include "system/path.hpp"
 #include "tables.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numeric>
 
 namespace tetune::cli {

@@ -300,8 +300,7 @@ std::string straightened_text(const std::vector<StraightenedEdge>& edges) {
   if (edges.empty()) return {};
   std::string text = fmt::format(
       "  {} edges of the surface were partly straightened, as an element would not be valid otherwise; vertices "
-      "counted "
-      "from 1, and the fraction of the curvature that is kept:\n",
+      "counted from 1, and the fraction of the curvature that is kept:\n",
       edges.size());
   for (const StraightenedEdge& e : edges) {
     text += fmt::format("    {} {}: {:.1f} %, mid-side node moved by {:.4g}\n", e.vertices[0] + 1, e.vertices[1] + 1,

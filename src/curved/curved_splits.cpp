@@ -7,7 +7,8 @@
 #include <set>
 
 #include "backend/span.hpp"
-#include "curved/curved_edges.hpp"
+#include "curved/jacobian.hpp"
+#include "mesh/tet.hpp"
 #include "tetune/data.hpp"
 
 namespace tetune {

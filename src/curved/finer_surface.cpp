@@ -33,7 +33,7 @@ FinerSurface::FinerSurface(const std::vector<Point3>& points, const std::vector<
 }
 
 Vec3 FinerSurface::point_near(const Vec3& p, const Vec3& q, const Vec3& guess) const {
-  const QuadraticSheet* nearest = nullptr;
+  const QuadraticSheet* nearest = &sheets_.front();  // where squared distances overflow
   double least = kInfinity;
   for (const QuadraticSheet& sheet : sheets_) {
     double sum = sheet.distance2_of_box(p) + sheet.distance2_of_box(q) + sheet.distance2_of_box(guess);

@@ -56,7 +56,7 @@ std::vector<TetList> find_patches(const TetMesh& mesh, const VertexTets& vertex2
   return patches;
 }
 
-/// The state of a patch as it is judged.
+/// The quantities that a new state of a patch must improve.
 struct PatchQuality {
   std::int64_t not_valid = 0;
   double min_scaled_jacobian = 1;
@@ -91,6 +91,9 @@ std::array<Vec3, 4> regular_like(const std::array<Vec3, 4>& x) {
   return {Vec3{0, 0, 0}, {a, a, 0}, {0, a, a}, {a, 0, a}};
 }
 
+/// The nodes that relaxation moves, of those that are not held.
+enum class MovingNodes { all, mid_side };
+
 /// The elements around a group of bad ones.
 class Patch {
  public:
@@ -105,10 +108,10 @@ class Patch {
     PatchResult best;
     if (is_enough()) return best;
     for (const Ideal ideal : {Ideal::straight, Ideal::regular}) {
-      for (const bool moves_vertices : {true, false}) {
-        const std::vector<std::size_t> unknowns = find_unknowns(moves_vertices);
+      for (const MovingNodes moving : {MovingNodes::all, MovingNodes::mid_side}) {
+        const std::vector<std::size_t> unknowns = find_unknowns(moving);
         const bool is_done = best.improved && best_quality_.not_valid == 0;
-        if (unknowns.empty() || is_done || (moves_vertices && !goal_.moves_vertices)) continue;
+        if (unknowns.empty() || is_done || (moving == MovingNodes::all && !goal_.moves_vertices)) continue;
         solve(unknowns, ideal, best);
       }
     }
@@ -149,7 +152,7 @@ class Patch {
   }
 
   /// Nodes that are not held and whose elements are all in the patch.
-  std::vector<std::size_t> find_unknowns(bool moves_vertices) const {
+  std::vector<std::size_t> find_unknowns(MovingNodes moving) const {
     std::vector<std::size_t> unknowns;
     const auto has_all = [this](std::span<const Index> tets) {
       return std::all_of(tets.begin(), tets.end(), [this](Index t) { return contains(t); });
@@ -159,7 +162,7 @@ class Patch {
       const auto& [a, b] = node2edge_[n];
       bool moves = false;
       if (v >= 0) {
-        moves = moves_vertices && span_of(held_.vertices)[v] == 0 && has_all(vertex2tets_.of(v));
+        moves = moving == MovingNodes::all && span_of(held_.vertices)[v] == 0 && has_all(vertex2tets_.of(v));
       } else if (!held_.has_edge(a, b)) {
         TetList around;
         std::set_intersection(vertex2tets_.of(a).begin(), vertex2tets_.of(a).end(), vertex2tets_.of(b).begin(),

@@ -15,7 +15,7 @@ namespace tetune {
 inline bool is_free(const Point3& p) { return std::isnan(p[0]) && std::isnan(p[1]) && std::isnan(p[2]); }
 inline bool is_finite(const Point3& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
-/// A run of move(): what optimize_on() does beside its own work.
+/// The motion that optimize_on() makes for move().
 struct MoveJob {
   std::span<const VertexTargets> targets;
   double scale;                      ///< see unit_scale(): of all targets
@@ -27,8 +27,8 @@ struct MoveJob {
 MoveReport move_on(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options,
                    const Context& context, SlideSurface* surface);
 
-/// The memory of a backend that motion takes beside the rest, in bytes: the stiffness matrix and the vectors of its
-/// solver, and where vertices slide their tangent spaces and the ends of their steps.
+/// The memory of a backend that motion takes in addition, in bytes: the stiffness matrix and the vectors of its solver,
+/// and where vertices slide their tangent spaces and the ends of their steps.
 inline std::size_t motion_memory(const TetMesh& mesh, const Options& options) {
   constexpr std::size_t kPerTet = 90, kPerVertex = 260, kPerSlidingVertex = 60;
   const std::size_t slides = options.boundary == Boundary::slide ? kPerSlidingVertex * mesh.points.size() : 0;

@@ -30,7 +30,7 @@ auto improve_with(PlaceTracker* tracker) {
   };
 }
 
-/// Takes what leaves the reference surface out of it.
+/// Takes the triangles that leave the reference surface out of it.
 template <class Backend>
 void cut_reference(const Backend& backend, const std::vector<std::uint8_t>& motion, WorkingSet<Backend>& work) {
   std::vector<std::uint8_t> by_work;

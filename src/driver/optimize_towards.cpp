@@ -8,6 +8,7 @@
 
 #include "backend/span.hpp"
 #include "driver/curved/curved_constraints.hpp"
+#include "driver/limit_growth.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/extend_report.hpp"
 #include "driver/report/targets.hpp"
@@ -21,14 +22,13 @@
 #include "quality/find_failed.hpp"
 #include "tetune/curved.hpp"
 #include "tetune/error.hpp"
-#include "tetune/option_table.hpp"
 #include "tetune/quality.hpp"
 
 namespace tetune {
 namespace {
 
 constexpr int kMaxTargetRounds = 4;
-/// Number of tetrahedra up to which no round is too long.
+/// Rounds on at most this number of tetrahedra are never too long.
 constexpr std::ptrdiff_t kLarge = 50'000;
 /// The relative error of a smallest mean ratio.
 constexpr double kRounding = 1e-9;
@@ -150,8 +150,7 @@ class CriteriaRun {
     options.keep_vertices = options_.keep_vertices || !inserts || double(mesh.tets.size()) >= max_tets_;
     if (options.keep_vertices) options.surface_vertices = SurfaceVertices::automatic;
     // The part of the round is at most the mesh.
-    if (!options.keep_vertices)
-      options.max_growth = std::min(max_tets_ / double(mesh.tets.size()), find_option("max_growth")->range.max);
+    if (!options.keep_vertices) options.max_growth = growth_up_to(max_tets_, mesh);
     options.effort = Effort::best;
     options.restarts = 0;  // they would enlarge angles at the expense of other measures
     options.targets.clear();

@@ -79,10 +79,11 @@ void transfer_data(const TetMesh& mesh, const HostResult& result, const ExportRu
 
 /// Carries sets of nodes, and gives inserted vertices tags. The points of `next` are those by extended id, its data
 /// those of the result. The shape of the result says where inserted vertices are, unless it has moved from the input's.
-void carry_sets(const TetMesh& mesh, const HostResult& result, bool is_moved, const Report& report, TetMesh& next) {
+void carry_sets(const TetMesh& mesh, const HostResult& result, const ExportRules& rules, const Report& report,
+                TetMesh& next) {
   const std::vector<Index>& extended2new = result.numbering.extended2new;
   std::function<TetMesh()> make_shape;
-  if (!is_moved || !report.places.empty()) {
+  if (!rules.is_moved || !report.places.empty()) {
     make_shape = [&] {
       TetMesh shape;
       shape.points = gather_entries(next.points, kept_of(extended2new));
@@ -210,7 +211,7 @@ void replace_mesh(TetMesh& mesh, HostResult result, const ExportRules& rules, Re
   next.deck_nodes = mesh.deck_nodes;
   if (!mesh.deck_nodes.empty()) next.deck_nodes.resize(next.points.size(), 0);
   transfer_data(mesh, result, rules, next, report);
-  carry_sets(mesh, result, rules.is_moved, report, next);
+  carry_sets(mesh, result, rules, report, next);
   next.tet_tags = regions_of(result.tet2original, mesh);
   next.required_tets = new_required_tets(result.required_slots, result.slot_of_tet);
   next.corners = mesh.corners;

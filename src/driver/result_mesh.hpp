@@ -27,7 +27,7 @@ struct VertexNumbering {
 /// `vertex2original` as of WorkMesh; `originals` is the number of the caller's vertices.
 VertexNumbering number_vertices(std::vector<Index> vertex2original, std::size_t originals);
 
-/// The optimized mesh on the host, and of WorkingSet what relates it to the caller's.
+/// The optimized mesh on the host, and the parts of WorkingSet that relate it to the caller's.
 struct HostResult {
   VertexNumbering numbering;
   std::vector<Point> points;               ///< per work vertex
@@ -50,7 +50,7 @@ struct ExportRules {
   std::function<bool()> stop_transfer;
 };
 
-/// Returns the tags of the tetrahedra that these of the caller's have become.
+/// Returns the tags of tetrahedra by the caller's tetrahedra that they descend from.
 std::vector<int> regions_of(const std::vector<Index>& tet2original, const TetMesh& mesh);
 
 /// Replaces the caller's mesh by the result, and reports which of its entities were kept. When it throws, the mesh is

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "backend/cpu.hpp"
@@ -189,29 +190,44 @@ void add_tets(std::vector<Index> tets, Defect defect, ValidationReport& report) 
   finding.finish(report);
 }
 
-/// Reports the tetrahedra at non-manifold and misoriented faces, and duplicate tetrahedra.
+/// A tetrahedron at a face, by its sorted vertices.
+struct TetAtFace {
+  Tet4 vertices;
+  const SortedHalfFace* half_face;
+  bool operator<(const TetAtFace& other) const {
+    return std::tie(vertices, half_face) < std::tie(other.vertices, other.half_face);
+  }
+};
+
+/// Reports duplicate tetrahedra, and the tetrahedra at faces that are non-manifold or have both sides on one of them.
+/// Faces count the tetrahedra that differ, as otherwise each face of a duplicate would be such a face too.
 void find_bad_faces(const TetMesh& mesh, int threads, ValidationReport& report) {
   std::vector<Index> duplicate;
   std::vector<Index> non_manifold;
   std::vector<Index> misoriented;
   const TetMeshView view(mesh);
-  std::vector<std::pair<Tet4, Index>> at_face;  // sorted vertices and id of the tetrahedra at one face
+  std::vector<TetAtFace> at_face;
   for_each_face(sorted_half_faces(mesh, threads), [&](auto begin, auto end) {
     at_face.clear();
     for (auto half_face = begin; half_face != end; ++half_face) {
       Tet4 vertices = view.tets[half_face->tet];
       std::sort(vertices.begin(), vertices.end());
-      at_face.emplace_back(vertices, half_face->tet);
+      at_face.push_back({vertices, &*half_face});
     }
     std::sort(at_face.begin(), at_face.end());
-    for (std::size_t j = 1; j < at_face.size(); ++j) {
-      const auto& [vertices, tet] = at_face[j];
-      if (vertices == at_face[j - 1].first && tet != at_face[j - 1].second) duplicate.push_back(tet);
+    std::size_t different = 0;
+    for (const TetAtFace& t : at_face) {
+      if (different == 0 || at_face[different - 1].vertices != t.vertices) {
+        at_face[different++] = t;
+      } else if (at_face[different - 1].half_face->tet != t.half_face->tet) {
+        duplicate.push_back(t.half_face->tet);
+      }
     }
-    if (end - begin > 2) {
-      for (auto half_face = begin; half_face != end; ++half_face) non_manifold.push_back(half_face->tet);
-    } else if (end - begin == 2 && begin[0].odd == begin[1].odd) {
-      misoriented.push_back(begin[1].tet);
+    at_face.resize(different);
+    if (at_face.size() > 2) {
+      for (const TetAtFace& t : at_face) non_manifold.push_back(t.half_face->tet);
+    } else if (at_face.size() == 2 && at_face[0].half_face->odd == at_face[1].half_face->odd) {
+      misoriented.push_back(std::max(at_face[0].half_face->tet, at_face[1].half_face->tet));
     }
   });
   add_tets(duplicate, Defect::duplicate_tet, report);

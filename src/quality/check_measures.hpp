@@ -107,7 +107,7 @@ inline double max_triangle_aspect(const TetShape& s) {
   return largest;
 }
 
-/// A measure of a shape that is none of its neighbors too; lengths in the unit of the shape.
+/// A measure that depends on one tetrahedron alone; lengths are in the unit of the shape.
 inline double shape_measure(const TetShape& s, CheckMeasure measure) {
   const Range angles = measure == CheckMeasure::min_face_angle || measure == CheckMeasure::max_face_angle ||
                                measure == CheckMeasure::equiangle_skew

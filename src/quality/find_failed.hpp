@@ -13,7 +13,8 @@ struct FailedTet {
   double value;
 };
 
-/// Returns those of a mesh in increasing order, each once. The criterion and the arrays must be valid: see check().
+/// Returns the tetrahedra of a mesh that fail, in increasing order, each once. The criterion and the arrays must be
+/// valid: see check().
 std::vector<FailedTet> find_failed(const TetMesh& mesh, const AcceptanceCriterion& criterion, int threads);
 
 }  // namespace tetune

@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "backend/atomic.hpp"
-#include "curved/curved_edges.hpp"
 #include "curved/surface_distance.hpp"
 #include "math/mix_bits.hpp"
 #include "mesh/tet_mesh_view.hpp"

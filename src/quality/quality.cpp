@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "curved/curved_edges.hpp"
+#include "math/constants.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "quality/shape_loop.hpp"
@@ -42,15 +43,15 @@ class MeasureTable {
     for (auto& column : columns_) column.resize(to_size_t(tets));
   }
 
-  /// Stores the measures of tetrahedron t of a chunk. `first` marks the first one of the chunk.
-  void add(const TetShape& shape, Size t, Size chunk, bool first) {
+  /// Stores the measures of tetrahedron t of a chunk.
+  void add(const TetShape& shape, Size t, Size chunk) {
     Chunk& c = span_of(chunks_)[chunk];
     const Measures m = all_measures(shape);
     for (std::size_t k = 0; k < kMeasures; ++k) {
       span_of(columns_[k])[t] = static_cast<float>(m[k]);
       Extent& e = c.extents[k];
-      e.min = first ? m[k] : std::min(e.min, m[k]);
-      e.max = first ? m[k] : std::max(e.max, m[k]);
+      e.min = std::min(e.min, m[k]);
+      e.max = std::max(e.max, m[k]);
       e.sum += m[k];
     }
     insert_worst(c.worst, {to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}});
@@ -67,7 +68,7 @@ class MeasureTable {
 
  private:
   struct Extent {
-    double min = 0, max = 0, sum = 0;
+    double min = kInfinity, max = -kInfinity, sum = 0;
   };
   struct Chunk {
     std::array<Extent, kMeasures> extents;
@@ -81,14 +82,14 @@ class MeasureTable {
   }
 
   void summarize_measure(std::size_t measure, MeasureSummary& summary) {
-    bool first = true;
+    summary.min = kInfinity;
+    summary.max = -kInfinity;
     double sum = 0;
     for (const Chunk& chunk : chunks_) {
       const Extent& e = chunk.extents[measure];
-      summary.min = first ? e.min : std::min(summary.min, e.min);
-      summary.max = first ? e.max : std::max(summary.max, e.max);
+      summary.min = std::min(summary.min, e.min);
+      summary.max = std::max(summary.max, e.max);
       sum += e.sum;
-      first = false;
     }
     std::vector<float>& column = columns_[measure];
     const auto tets = static_cast<double>(column.size());
@@ -159,7 +160,7 @@ struct MeasureChunk {
         sums.ratio_sum += ratios[l];
         sums.ratio_min = std::min(sums.ratio_min, double{ratios[l]});
         sums.volume += shapes.volume[l];
-        if (table != nullptr) table->add(lane(shapes, l), first + l, chunk, first + l == begin);
+        if (table != nullptr) table->add(lane(shapes, l), first + l, chunk);
       }
     }
     return sums;

@@ -13,12 +13,12 @@ namespace tetune {
 /// A point of a surface whose distance from another one is measured: a vertex, the midpoint of an edge or a centroid.
 struct SurfaceSample {
   Vec3 point;
-  double radius;  ///< where the search begins, a part of the size of the triangles there
+  double radius;  ///< of the first search, a fraction of the size of the triangles there
   bool is_vertex;
   Index start = -1;  ///< a vertex, likely near, of the other surface; -1: none is known
 };
 
-/// Where the search around a point of the triangle starts.
+/// The radius of the first search around a point of a triangle.
 double search_radius(const TrianglePoints& triangle);
 
 struct LargestDistances {

@@ -165,6 +165,9 @@ struct ResetConflicting {
   }
 };
 
+/// The vertices that have a color already.
+enum class Colored : std::uint8_t { none, some };
+
 /// Each uncolored vertex takes a tentative color that no colored neighbor has.
 struct ChooseTentativeColor {
   ConflictNeighbors neighbors;
@@ -172,7 +175,7 @@ struct ChooseTentativeColor {
   Span<const std::uint8_t> color;
   Span<std::uint8_t> tentative_color;
   std::uint32_t round;
-  bool none_colored;
+  Colored colored;
 
   /// The set of colors of the neighbors, in two registers: an array in memory would serialize the updates.
   struct UsedColors {
@@ -198,7 +201,7 @@ struct ChooseTentativeColor {
     const Index v = uncolored[i];
     if (color[v] != kUncolored) return;
     UsedColors used;
-    if (!none_colored) neighbors.visit(v, Visitor{color, used});
+    if (colored != Colored::none) neighbors.visit(v, Visitor{color, used});
     std::uint32_t free_in_window = 0;
     for (int c = 0; c < kWindow; ++c) free_in_window += used.is_free(c) ? 1 : 0;
     std::uint32_t skip = free_in_window > 0 ? priority(priority(v) + round) % free_in_window : 0;
@@ -239,7 +242,7 @@ struct ColorInSteps {
     if (step % 2 != 0) return resolve(i);
     ChooseTentativeColor in_round = choose;
     in_round.round += static_cast<std::uint32_t>(step / 2);
-    in_round.none_colored = choose.none_colored && step == 0;
+    if (step > 0) in_round.colored = Colored::some;
     in_round(i);
   }
 };
@@ -266,7 +269,7 @@ struct Gather {
 /// Colors the uncolored vertices, round by round. Returns whether the colored ones are listed already.
 template <class Backend>
 bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors, BufferOf<Backend, Index>& uncolored,
-                     Span<std::uint8_t> tentative_color, bool none_colored, Coloring<Backend>& coloring) {
+                     Span<std::uint8_t> tentative_color, Colored colored, Coloring<Backend>& coloring) {
   const Span<std::uint8_t> color = coloring.color;
   BufferOf<Backend, Index> remaining(backend, uncolored.size());
   BufferOf<Backend, Index> positions(backend, uncolored.size());
@@ -274,9 +277,10 @@ bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
   for (std::uint32_t round = 0; count > 0;) {
     const Span<const Index> vertices(uncolored.span().data(), count);
     const std::uint32_t rounds = rounds_per_batch<Backend>(count);
-    backend.for_each_step(2 * rounds, count,
-                          ColorInSteps{{neighbors, vertices, color, tentative_color, round, none_colored && round == 0},
-                                       {neighbors, vertices, tentative_color, color}});
+    backend.for_each_step(
+        2 * rounds, count,
+        ColorInSteps{{neighbors, vertices, color, tentative_color, round, round == 0 ? colored : Colored::some},
+                     {neighbors, vertices, tentative_color, color}});
     round += rounds;
     // After many rounds a vertex is left only if it has too many neighbors.
     constexpr std::uint32_t kMany = 16;
@@ -305,14 +309,14 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
                     Coloring<Backend>& coloring, const ReferenceView& surface = {}) {
   using namespace coloring_detail;
   const Size n = dof.size();
-  const bool none_colored = coloring.color.size() != n;
-  if (none_colored) {
+  const Colored colored = coloring.color.size() == n ? Colored::some : Colored::none;
+  if (colored == Colored::none) {
     coloring.color.resize(backend, n);
     backend.for_each(n, InitializeColor{dof, surface, coloring.color});
   }
   const Span<std::uint8_t> color = coloring.color;
   BufferOf<Backend, CornerNeighbors> on_surface;
-  if (none_colored && surface.triangles.size() > 0) {
+  if (colored == Colored::none && surface.triangles.size() > 0) {
     on_surface.resize(backend, surface.vertex2corner.items.size());
     backend.for_each(on_surface.size(), ListCornerNeighbors{surface, on_surface.span()});
   }
@@ -323,8 +327,8 @@ void color_vertices(const Backend& backend, const RingsView& rings, Span<const V
   BufferOf<Backend, Index> uncolored(backend, n);
   const ResetConflicting reset{conflicts, color, tentative_color};
   uncolored.resize(backend, backend.compact(n, reset, uncolored.span()));
-  if (uncolored.size() == 0 && !none_colored) return;
-  if (!color_uncolored(backend, neighbors, uncolored, tentative_color.span(), none_colored, coloring)) {
+  if (uncolored.size() == 0 && colored == Colored::some) return;
+  if (!color_uncolored(backend, neighbors, uncolored, tentative_color.span(), colored, coloring)) {
     group_by_color(backend, rings, coloring);
   }
 }

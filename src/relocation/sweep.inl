@@ -41,7 +41,8 @@ struct RelocateVertex : DofsView {
     rings.prefetch(far);
     backend::prefetch(&dof[far]);
     if (surface_point.size() > 0) backend::prefetch(&surface_point[far]);
-    prefetch_motion(vertices[i + kMotionAhead], i + kMotionAhead < end);
+    prefetch_motion(vertices[i + kMotionAhead]);
+    if (surface_point.size() > 0 && i + kMotionAhead < end) prefetch_reference(vertices[i + kMotionAhead]);
     const Index near = vertices[i + kPointsAhead];
     if (backend::load_shared(active[near]) == 0) return;
     for (Size f = rings.offsets[near]; f < rings.offsets[near + 1]; ++f) {
@@ -89,14 +90,13 @@ struct RelocateVertex : DofsView {
   static Index triangle_of(const SurfacePoint& s) {
     return s.kind == SurfacePointKind::triangle ? s.item : s.kind == SurfacePointKind::edge ? s.item / 3 : -1;
   }
-  TETUNE_INLINE void prefetch_motion(Index v, bool may_read) const {
+  TETUNE_INLINE void prefetch_motion(Index v) const {
     if (dof[v] == VertexDof::free) return;
     if (displacement_bound.size() > 0) backend::prefetch(&displacement_bound[v]);
-    if (surface_point.size() == 0) {
-      backend::prefetch(&axis[v]);
-      return;
-    }
-    const Index triangle = may_read ? triangle_of(surface_point[v]) : -1;
+    if (surface_point.size() == 0) backend::prefetch(&axis[v]);
+  }
+  TETUNE_INLINE void prefetch_reference(Index v) const {
+    const Index triangle = dof[v] == VertexDof::free ? -1 : triangle_of(surface_point[v]);
     if (triangle < 0) return;
     backend::prefetch(&reference.triangles[triangle]);
     backend::prefetch(&reference.across[3 * triangle]);

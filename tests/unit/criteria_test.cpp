@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "driver/report/targets.hpp"
 #include "math/orient.hpp"
 #include "quality/check_measures.hpp"
 #include "support/meshes.hpp"
@@ -280,6 +281,28 @@ TEST(Acceptance, wrong_criteria_are_refused) {
   EXPECT_NE(refusal({CheckMeasure::edge_ratio, 5, 4}), "");
   EXPECT_EQ(refusal({CheckMeasure::edge_ratio, 4, 5}), "");
   EXPECT_NE(refusal({CheckMeasure::edge_ratio, 4, 5, 101}), "");
+}
+
+TEST(Criteria, ValuesThatAreNoNumbersAreTheWorst) {
+  for (const bool larger_is_better : {true, false}) {
+    std::vector<MissedTet> missed;
+    for (Index t = 0; t < 100; ++t) {
+      MissedTet m;
+      m.tet = t;
+      m.value = t % 3 == 0 ? std::nan("") : t % 7;
+      missed.push_back(m);
+    }
+    keep_worst(larger_is_better, missed);
+    for (std::size_t i = 0; i < 34; ++i) {
+      EXPECT_TRUE(std::isnan(missed[i].value));
+      EXPECT_EQ(missed[i].tet, Index(3 * i));
+    }
+    for (std::size_t i = 35; i < missed.size(); ++i) {
+      const MissedTet& a = missed[i - 1];
+      const MissedTet& b = missed[i];
+      EXPECT_TRUE(a.value == b.value ? a.tet < b.tet : (a.value < b.value) == larger_is_better);
+    }
+  }
 }
 
 }  // namespace

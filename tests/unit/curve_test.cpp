@@ -287,5 +287,21 @@ TEST(SurfaceMiddles, TimeIsLinearInTheTrianglesAroundAVertex) {
   EXPECT_LT(seconds_of_cone(64'000), 200 * seconds_of_cone(2'000));
 }
 
+/// Squared distances overflow, so that no sheet of the finer surface is the nearest one.
+TEST(Curve, HugeUnitsLeaveTheSurfaceStraight) {
+  const auto huge = [](TetMesh mesh) {
+    for (Point3& p : mesh.points) {
+      for (double& x : p) x *= 1e170;
+    }
+    return mesh;
+  };
+  TetMesh m = huge(test::ball(2, 0));
+  const TetMesh finer = huge(test::ball(4, 0));
+  CurveOptions options;
+  options.surface = &finer;
+  curve(m, options);
+  EXPECT_TRUE(quality(m).curved.all_valid());
+}
+
 }  // namespace
 }  // namespace tetune

@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "emulation/emulation.hpp"
 #include "support/meshes.hpp"
 #include "support/work.hpp"
+#include "tetune/quality.hpp"
 
 namespace tetune {
 namespace {
@@ -172,6 +174,32 @@ TEST(HarmonicExtension, ReproducesATranslation) {
   int iterations = -1;
   EXPECT_LT(largest_difference(solve(backend::Cpu(1), p, 1e-6, &iterations), expected), 1e-15);
   EXPECT_EQ(iterations, 0);
+}
+
+/// Volumes that round to 0 or below would make the matrix infinite or indefinite.
+TEST(HarmonicExtension, FlatTetrahedraMoveWithTheOthers) {
+  Problem p = cube_problem(4);
+  const auto is_inner = [](const Point3& x) { return !on_side(x[0]) && !on_side(x[1]) && !on_side(x[2]); };
+  const Index inner =
+      to_index(std::find_if(p.mesh.points.begin(), p.mesh.points.end(), is_inner) - p.mesh.points.begin());
+  const auto has_inner = [inner](const auto& tet) { return std::find(tet.begin(), tet.end(), inner) != tet.end(); };
+  const auto& tet = *std::find_if(p.mesh.tets.begin(), p.mesh.tets.end(), has_inner);
+  Vec3 centroid{0, 0, 0};
+  for (const Index v : tet) {
+    if (v != inner) centroid = centroid + (1.0 / 3) * vec(p.mesh.points[to_size_t(v)]);
+  }
+  p.mesh.points[to_size_t(inner)] = to_point(centroid);
+  ASSERT_LT(quality(p.mesh).dihedral_min, 1e-6);
+  const Vec3 shift{0.3, 0, 0};
+  for (std::size_t v = 0; v < p.dof.size(); ++v) {
+    if (p.dof[v] == VertexDof::plane) p.axis[v] = on_side(p.mesh.points[v][1]) ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+    p.displacement[v] = p.dof[v] == VertexDof::fixed ? shift : Vec3{0, 0, 0};
+  }
+  int iterations = 0;
+  const std::vector<Vec3> moved = solve(backend::Cpu(1), p, kTolerance, &iterations);
+  EXPECT_LT(largest_difference(moved, std::vector<Vec3>(p.dof.size(), shift)), 1e-4);
+  EXPECT_GT(iterations, 10);
+  EXPECT_LT(iterations, 1000);
 }
 
 /// Nothing is prescribed, or a vertex is in no tetrahedron: all stays.

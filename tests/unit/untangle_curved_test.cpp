@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "curved/curved_edges.hpp"
+#include "driver/curved/curved_skeleton.hpp"
+#include "driver/curved/split_elements.hpp"
 #include "support/curved.hpp"
 #include "tetune/curve.hpp"
 #include "tetune/error.hpp"
@@ -258,6 +260,27 @@ TEST(UntangleCurved, FoldedSurfaceIsStraightenedWhereAsked) {
   const TetMesh held = beside;
   EXPECT_THROW(optimize(beside, options), MeshError);
   EXPECT_EQ(beside.curved_edges, held.curved_edges);
+}
+
+TEST(UntangleCurved, SplitsThatDoNotHelpAreUndone) {
+  TetMesh m = test::ball(2, 0);
+  curve(m);
+  // A mid-side node far along its edge folds curved triangles: no position of inner nodes makes their elements valid.
+  CurvedEdge& edge = m.curved_edges[0];
+  const Vec3 chord = test::at(m, edge.vertices[1]) - test::at(m, edge.vertices[0]);
+  edge.middle = to_point(vec(edge.middle) + 0.8 * chord);
+  const TetMesh before = m;
+  HeldNodes held = find_held(m, {});
+  Origins origins = own_origins(m);
+  RelaxationGoal goal;
+  goal.only_valid = true;
+  const std::size_t unfolded = find_unfolded(m, 1).size();
+  ASSERT_GT(unfolded, 0U);
+  split_invalid(m, held, origins, goal);
+  EXPECT_EQ(find_unfolded(m, 1).size(), unfolded);
+  EXPECT_TRUE(m.tets == before.tets && m.points == before.points && m.curved_edges == before.curved_edges);
+  EXPECT_EQ(held.vertices.size(), m.points.size());
+  EXPECT_EQ(origins.tets.size(), m.tets.size());
 }
 
 }  // namespace

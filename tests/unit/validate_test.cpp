@@ -176,7 +176,7 @@ TEST(Validate, ManyTetrahedraAtOneFace) {
   m.tets.push_back({0, 0, 0, 0});
   m.tet_tags.assign(m.tets.size(), 0);
   const ValidationReport report = validate(m);
-  ASSERT_GE(report.findings.size(), 2U);
+  ASSERT_EQ(report.findings.size(), 2U);
   EXPECT_EQ(report.findings[0].defect, Defect::repeated_vertex);
   EXPECT_EQ(report.findings[1].defect, Defect::duplicate_tet);
   EXPECT_EQ(report.findings[1].count, 100'000);
@@ -187,10 +187,7 @@ TEST(Validate, DuplicateNonManifoldAndMisoriented) {
   TetMesh m = test::one_tet();
   m.tets.push_back({1, 2, 0, 3});
   m.tet_tags.push_back(0);
-  const ValidationReport twice = validate(m);
-  ASSERT_EQ(twice.findings.size(), 2U);
-  EXPECT_EQ(twice.findings[0].defect, Defect::duplicate_tet);
-  EXPECT_EQ(twice.findings[0].first, std::vector<Index>{1});
+  expect_refused(m, Defect::duplicate_tet, 1, {1});
 
   m = test::two_tets(1);
   m.points.push_back({0, 0, 2});
@@ -201,6 +198,29 @@ TEST(Validate, DuplicateNonManifoldAndMisoriented) {
   m.tets = {{0, 2, 4, 3}, {5, 2, 4, 3}};
   m.tet_tags = {0, 0};
   expect_refused(m, Defect::same_side_of_face, 1, {1});
+}
+
+TEST(Validate, ADuplicateIsOneFinding) {
+  TetMesh m = test::cube(2);
+  // One with faces on the boundary, and one in another order of vertices, twice.
+  const std::array<Index, 4> tet = m.tets[11];
+  m.tets.push_back(m.tets[0]);
+  m.tets.push_back({tet[1], tet[2], tet[0], tet[3]});
+  m.tets.push_back({tet[2], tet[0], tet[1], tet[3]});
+  m.tet_tags.resize(m.tets.size(), 0);
+  expect_refused(m, Defect::duplicate_tet, 3, {48, 49, 50});
+  // A duplicate with the other orientation is inverted, and a defect beside it is found too.
+  m = test::cube(2);
+  m.tets.push_back({m.tets[11][1], m.tets[11][0], m.tets[11][2], m.tets[11][3]});
+  std::swap(m.tets[30][0], m.tets[30][1]);
+  m.tet_tags.resize(m.tets.size(), 0);
+  const ValidationReport report = validate(m);
+  ASSERT_EQ(report.findings.size(), 3U);
+  EXPECT_EQ(report.findings[0].defect, Defect::inverted_tet);
+  EXPECT_EQ(report.findings[0].first, (std::vector<Index>{30, 48}));
+  EXPECT_EQ(report.findings[1].defect, Defect::duplicate_tet);
+  EXPECT_EQ(report.findings[1].first, std::vector<Index>{48});
+  EXPECT_EQ(report.findings[2].defect, Defect::same_side_of_face);
 }
 
 TEST(Validate, ListsTheFirstIdsOnly) {

@@ -28,10 +28,10 @@ class FanDeviation : DeviationInput {
   /// `undecided`.
   TETUNE_HD bool is_within(const SurfacePoint& on, FanMask& undecided) {
     add_triangles_at(on);
-    const int starts = triangles_.size();
+    starts_ = triangles_.size();
     for (int i = 0; i < triangles_.size() && undecided_ != fan_.all; ++i) {
       over_[i] = 0;
-      if (!visit(i, i < starts)) return false;
+      if (!visit(i)) return false;
     }
     if (undecided_ != fan_.all) undecided_ |= not_over_surface_points();
     undecided = undecided_;
@@ -129,7 +129,8 @@ class FanDeviation : DeviationInput {
 
   /// Processes a reference triangle and adds its neighbors. As all are upright over the triangles of the fan, and none
   /// over them has an edge without a neighbor, those triangles are covered. False: the bound is exceeded.
-  TETUNE_HD bool visit(int position, bool is_start) {
+  TETUNE_HD bool visit(int position) {
+    const bool is_start = position < starts_;
     const Index triangle = triangles_[position];
     const SurfaceTriangle t = ref.triangles[triangle];
     VertexRelation* corner[3];
@@ -282,6 +283,7 @@ class FanDeviation : DeviationInput {
   const Fan& fan_;
   const TriangleDeviation& wedges_;
   FanMask undecided_ = 0;
+  int starts_ = 0;  ///< number of the triangles at the surface point, which come first
   SmallSet<kMaxTriangles> triangles_;
   FanMask over_[kMaxTriangles];  ///< per visited reference triangle: the triangles it has a part over
   SmallMap<VertexRelation, kMaxVertices> relations_;  ///< by reference vertex

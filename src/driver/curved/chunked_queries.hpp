@@ -11,7 +11,7 @@ namespace tetune {
 /// Evaluates functions of many points by all threads, in chunks between which a stop may be requested.
 class ChunkedQueries {
  public:
-  static constexpr Size kChunk = 4096;  ///< some ms on one thread
+  static constexpr Size kChunk = 4096;  ///< takes some milliseconds on one thread
 
   ChunkedQueries(int threads, const std::function<bool()>& stop) : cpu_(threads), stop_(stop) {}
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetune/curve.hpp"
 
-#include <algorithm>
 #include <functional>
 #include <optional>
 #include <utility>
 
-#include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/finer_surface.hpp"
 #include "curved/surface_middles.hpp"
@@ -28,10 +26,10 @@ namespace {
 
 /// Elements below this scaled Jacobian are relaxed.
 constexpr double kRelaxCurvedBelow = 0.1;
-/// Each round of straightening leaves this part of the curvature; after kPartialRounds none.
+/// The part of the curvature that a round of straightening leaves; rounds after kPartialRounds leave none.
 constexpr double kKept = 0.75;
 constexpr int kPartialRounds = 12;
-/// Elements are relaxed in each round that is a multiple of this: relaxation that fails takes long.
+/// Elements are relaxed in every kRelaxEvery-th round only, as a relaxation that fails takes long.
 constexpr int kRelaxEvery = 6;
 
 /// The surface of a finer mesh, with its own mid-side nodes or those that are reconstructed.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <string>
 
-#include "backend/span.hpp"
 #include "mesh/tet_mesh_view.hpp"
 #include "tetune/error.hpp"
 #include "tetune/option_table.hpp"
@@ -21,10 +20,12 @@ bool has_frozen(const TetMesh& mesh, const Options& options) {
          std::any_of(flags.begin(), flags.end(), [](std::uint8_t flag) { return flag != 0; });
 }
 
-/// Ways to valid elements: where `inside`, options that let vertices be inserted; and those that let the surface give
-/// way.
-std::vector<std::string> remedies_for(const TetMesh& mesh, const Options& options, bool inside) {
+/// Ways to valid elements: options that let vertices be inserted, where that may help, and those that let the surface
+/// give way.
+std::vector<std::string> remedies_for(const TetMesh& mesh, const Options& options, const CurvedFailure& failure) {
   std::vector<std::string> remedies;
+  // Where a face of the surface is folded, no inner vertex helps.
+  const bool inside = failure.folded.empty();
   if (inside && options.keep_vertices) {
     remedies.emplace_back("let vertices be inserted (without keep_vertices)");
   } else if (inside && options.data != DataTransfer::carry) {
@@ -70,11 +71,10 @@ void check_curved_input(const TetMesh& mesh, const Options& options) {
 
 void refuse_curved(const TetMesh& mesh, const Options& options, const CurvedFailure& failure) {
   if (failure.is_stopped) throw UntangleError(failure.invalid, failure.left, UntangleError::Reason::stopped, true);
-  // Where a face of the surface is folded, no inner vertex helps.
-  const bool inside = failure.folded.empty();
-  const Point3 place = TetMeshView(mesh).centroid(inside ? failure.left[0] : failure.folded[0]);
+  const Index first = failure.folded.empty() ? failure.left[0] : failure.folded[0];
+  const Point3 place = TetMeshView(mesh).centroid(first);
   throw UntangleError(failure.invalid, failure.left, failure.folded, place,
-                      joined(remedies_for(mesh, options, inside)));
+                      joined(remedies_for(mesh, options, failure)));
 }
 
 }  // namespace tetune

@@ -105,6 +105,12 @@ std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index
   return folded;
 }
 
+std::vector<Index> find_unfolded(const TetMesh& mesh, int threads) {
+  std::vector<Index> tets = find_invalid(mesh, threads);
+  erase_listed(tets, with_folded_face(mesh, tets));
+  return tets;
+}
+
 std::vector<Index> flatter_than(const TetMesh& mesh, double dihedral, int threads) {
   constexpr double kAngleRounding = 1e-9;
   const std::vector<std::int8_t> signs = volume_signs(mesh, threads);

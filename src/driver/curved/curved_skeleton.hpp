@@ -18,6 +18,9 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options);
 /// a corner. That of the element is then 0 somewhere on the face, wherever the inner nodes are.
 std::vector<Index> with_folded_face(const TetMesh& mesh, const std::vector<Index>& tets);
 
+/// The elements that are not valid, except those with a folded face.
+std::vector<Index> find_unfolded(const TetMesh& mesh, int threads);
+
 /// The tetrahedra whose straight volume is not certified positive, or with a smaller dihedral angle, in degrees.
 std::vector<Index> flatter_than(const TetMesh& mesh, double dihedral, int threads);
 
@@ -36,7 +39,7 @@ class CurvedSkeleton {
 
   /// The mesh to optimize.
   TetMesh mesh;
-  /// Makes the optimized `mesh` one with curved edges again, and takes the additional constraints away. Curved edges
+  /// Gives the optimized `mesh` its curved edges again, and takes the additional constraints away. Curved edges
   /// are those of the surface, unless an end has moved, and of locked tetrahedra; other inner ones are straight.
   /// `report` is that of the optimization.
   void restore(Report& report);

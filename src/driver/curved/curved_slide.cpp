@@ -243,7 +243,7 @@ const QuadraticSheet* CurvedSlide::sheet_of(const TetMesh& slid, const std::vect
     }
     points.push_back((1.0 / 3) * sum);
   }
-  const QuadraticSheet* nearest = nullptr;
+  const QuadraticSheet* nearest = candidates[0];  // where squared distances overflow
   double least = kInfinity;
   std::vector<double> distances(points.size());
   for (const QuadraticSheet* sheet : candidates) {

@@ -2,7 +2,6 @@
 #include "driver/curved/optimize_curved.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -14,7 +13,7 @@
 #include "driver/curved/curved_refusal.hpp"
 #include "driver/curved/curved_skeleton.hpp"
 #include "driver/curved/curved_slide.hpp"
-#include "driver/curved/split_bounded.hpp"
+#include "driver/curved/split_elements.hpp"
 #include "driver/curved/straighten.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/report/dof_counts.hpp"
@@ -58,9 +57,10 @@ class CurvedOptimizer {
     make_base_valid();
     const bool slides = options_.boundary == Boundary::slide;
     const bool runs_twice = slides && !slides_at_once();
+    const Surface first = slides && !runs_twice ? Surface::slides : Surface::stays;
     TetMesh result;
-    Report report = *run_stage(result, slides && !runs_twice, runs_twice ? scaled_progress(context_, 0, 0.5) : context_,
-                               OnStop::complete);
+    Report report =
+        *run_stage(result, first, runs_twice ? scaled_progress(context_, 0, 0.5) : context_, OnStop::complete);
     follow_origins(report);
     report.vertices_inserted += std::ssize(base_.points) - std::ssize(mesh.points);
     if (runs_twice) counts_input_ = false;  // the surface has not slid
@@ -78,15 +78,14 @@ class CurvedOptimizer {
     all,
   };
   enum class OnStop { complete, give_up };
+  enum class Surface { stays, slides };
 
   /// The number of attempts that lock tetrahedra near bad ones, with a surface that stays or slides. Then curved ones
   /// are locked, and if that does not suffice, all.
   static constexpr int kMaxAttempts = 4;
   static constexpr int kMaxSlidingAttempts = 12;
   static constexpr int kAttemptsPerRing = 4;  ///< later ones lock more around a bad element
-  static constexpr int kMaxRounds = 4;        ///< of splits and relaxation
-  /// Splits that make elements valid are not limited.
-  static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  static constexpr int kMaxRounds = 4;        ///< of splits of elements that their held nodes make invalid
 
   /// With other data than carried ones the result has places in the input, which one run alone gives.
   bool slides_at_once() const { return options_.data != DataTransfer::carry; }
@@ -113,12 +112,12 @@ class CurvedOptimizer {
 
   /// Optimizes the base; its surface stays, or slides. Returns the report, whose maps lead to the base; with
   /// OnStop::give_up nothing, if a stop is requested before it begins, or while nodes of the surface are lifted.
-  std::optional<Report> run_stage(TetMesh& result, bool slides, const Context& context, OnStop on_stop) {
+  std::optional<Report> run_stage(TetMesh& result, Surface surface, const Context& context, OnStop on_stop) {
     std::optional<CurvedSlide> slide;
-    if (slides) slide.emplace(base_, options_.feature_angle);
+    if (surface == Surface::slides) slide.emplace(base_, options_.feature_angle);
     floor_ = smallest(base_) - kAccuracy;
     if (on_stop == OnStop::give_up && is_stopped()) return std::nullopt;
-    const int max_attempts = slides ? kMaxSlidingAttempts : kMaxAttempts;
+    const int max_attempts = slide ? kMaxSlidingAttempts : kMaxAttempts;
     double linear_bound = 0;
     std::vector<Index> locked;
     if (changes_nothing()) locked = identity_map(base_.tets.size());
@@ -127,7 +126,7 @@ class CurvedOptimizer {
       if (locking == Locking::curved) locked = all_curved(base_);
       if (locking == Locking::all) locked = identity_map(base_.tets.size());
       CurvedSkeleton skeleton(base_, held_, locked, slide ? &*slide : nullptr);
-      Report report = optimize(skeleton.mesh, linear_options(slides, linear_bound),
+      Report report = optimize(skeleton.mesh, linear_options(surface, linear_bound),
                                attempt == 0 ? context : Context{{}, context_.stop});
       LiftedNodes lifted;
       if (slide) {
@@ -148,7 +147,7 @@ class CurvedOptimizer {
       if (slide && options_.max_deviation > 0) {
         deviation = slide->deviation(skeleton.mesh, report, options_, context_.stop);
       }
-      const std::vector<Index> bad = relax(skeleton.mesh, report, slides);
+      const std::vector<Index> bad = relax(skeleton.mesh, report, surface);
       if ((bad.empty() && deviation.vertices.empty()) || locking == Locking::all) {
         split_bounded_of(skeleton.mesh, report);
         report.deviation = deviation.bound + straightened_distance();
@@ -182,7 +181,7 @@ class CurvedOptimizer {
     goal_.min_dihedral = quality(base_, options_.threads).dihedral_min;
     TetMesh slid;
     std::optional<Report> further =
-        run_stage(slid, /*slides=*/true, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
+        run_stage(slid, Surface::slides, scaled_progress(context_, 0.5, 0.5), OnStop::give_up);
     if (!further) return;
     if (quality(slid, options_.threads).shape_sum > quality(result, options_.threads).shape_sum) {
       counts_input_ = false;
@@ -210,10 +209,13 @@ class CurvedOptimizer {
     goal.min_dihedral = 0;
     goal.only_valid = true;
     split_hopeless(invalid);
-    relax_curved(base_, held_, find_relaxable(), goal);
+    // Without straightening, elements with a folded face are refused below, and all others that are not valid counted.
+    relax_curved(base_, held_,
+                 options_.straighten ? find_unfolded(base_, options_.threads) : find_invalid(base_, options_.threads),
+                 goal);
     const std::vector<Index> rest = find_invalid(base_, options_.threads);
     if (!options_.straighten && !with_folded_face(base_, rest).empty()) refuse(std::ssize(invalid), rest);
-    split_invalid(goal);
+    if (may_insert()) split_invalid(base_, held_, origins_, goal);
     if (options_.straighten) extend_options();
     if (options_.straighten && !is_stopped()) straightened_ = straighten(base_, held_, options_, goal);
     const std::vector<Index> left = find_invalid(base_, options_.threads);
@@ -230,38 +232,13 @@ class CurvedOptimizer {
       std::vector<Index> tets = find_bounded(base_, held_, 0);
       std::erase_if(
           tets, [&](Index t) { return std::binary_search(folded.begin(), folded.end(), span_of(origins_.tets)[t]); });
-      if (tets.empty() || split_edges(base_, held_, tets, kUnlimited, origins_).empty()) return;
+      if (tets.empty() || split_edges(base_, held_, tets, kUnlimitedSplits, origins_).empty()) return;
       held_.vertices.resize(base_.points.size(), 0);
     }
-  }
-
-  /// Elements that are not valid; those with a folded face only where all are to be counted.
-  std::vector<Index> find_relaxable() const {
-    std::vector<Index> tets = find_invalid(base_, options_.threads);
-    if (!options_.straighten) return tets;
-    const std::vector<Index> folded = with_folded_face(base_, tets);
-    erase_listed(tets, folded);
-    return tets;
   }
 
   bool may_insert() const {
     return options_.untangle && !options_.keep_vertices && options_.data == DataTransfer::carry;
-  }
-
-  /// Inserts vertices into elements that are not valid, except where a folded face makes that useless.
-  void split_invalid(const RelaxationGoal& goal) {
-    for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
-      std::vector<Index> left = find_invalid(base_, options_.threads);
-      const std::vector<Index> folded = with_folded_face(base_, left);
-      erase_listed(left, folded);
-      if (left.empty()) break;
-      const std::vector<Index> around = split_edges(base_, held_, left, kUnlimited, origins_);
-      if (around.empty()) break;
-      held_.vertices.resize(base_.points.size(), 0);
-      left.insert(left.end(), around.begin(), around.end());
-      sort_unique(left);
-      relax_curved(base_, held_, left, goal);
-    }
   }
 
   /// Inserted vertices have data, and are not frozen.
@@ -286,9 +263,9 @@ class CurvedOptimizer {
   static std::vector<Index> all_curved(const TetMesh& mesh) { return curved_tets(mesh, CurvedEdges(mesh)); }
 
   /// Elements that are below the limit or not valid, or flattened.
-  std::vector<Index> find_bad(const TetMesh& mesh, double limit, bool slides) const {
+  std::vector<Index> find_bad(const TetMesh& mesh, double limit, Surface surface) const {
     std::vector<Index> bad = not_valid_or_below(measure(mesh), limit);
-    if (!slides) return bad;
+    if (surface == Surface::stays) return bad;
     const std::vector<Index> flat = flatter_than(mesh, goal_.min_dihedral, options_.threads);
     bad.insert(bad.end(), flat.begin(), flat.end());
     sort_unique(bad);
@@ -296,11 +273,11 @@ class CurvedOptimizer {
   }
 
   /// Relaxes the elements of a small scaled Jacobian. Returns those that are not valid or below the floor then.
-  std::vector<Index> relax(TetMesh& mesh, const Report& report, bool slides) const {
+  std::vector<Index> relax(TetMesh& mesh, const Report& report, Surface surface) const {
     const double limit = options_.max_iterations == 0 ? floor_ : std::max(kRelaxBelow, floor_);
-    const std::vector<Index> low = find_bad(mesh, limit, slides);
+    const std::vector<Index> low = find_bad(mesh, limit, surface);
     if (!low.empty()) relax_curved(mesh, find_held(mesh, options_of(report)), low, goal_);
-    return find_bad(mesh, floor_, slides);
+    return find_bad(mesh, floor_, surface);
   }
 
   /// Splits elements that flips made with two faces on the surface, unless something is worse then.
@@ -341,7 +318,8 @@ class CurvedOptimizer {
     lock_around(base_, is_near, rings, locked);
   }
 
-  Options linear_options(bool slides, double max_deviation) const {
+  Options linear_options(Surface surface, double max_deviation) const {
+    const bool slides = surface == Surface::slides;
     Options options = options_;
     options.untangle = false;
     options.max_deviation = max_deviation;

@@ -17,9 +17,9 @@ namespace {
 
 using Edge = SurfaceCurvature::Edge;
 
-/// The curvature is bisected this often: its part is known up to 1/64.
+/// The number of bisections of the part of the curvature, which is known up to 1/64 then.
 constexpr int kBisections = 6;
-/// After these rounds elements become straight.
+/// The number of rounds that bisect; in later ones elements become straight.
 constexpr int kBisectedRounds = 3;
 constexpr int kMaxBlendRounds = 40;
 

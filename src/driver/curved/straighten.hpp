@@ -6,7 +6,6 @@
 
 #include "curved/relaxation.hpp"
 #include "tetune/options.hpp"
-#include "tetune/quality.hpp"
 #include "tetune/report.hpp"
 
 namespace tetune {

@@ -16,7 +16,7 @@
 /// The mesh between the runs of optimize_on_geometry().
 namespace tetune {
 
-/// The tags of a work mesh: one per combination of a face of the model and a tag of the caller, or none.
+/// The tags of a work mesh: one per combination of a face of the model with a tag of the caller or with none.
 class PatchTags {
  public:
   int add(std::int32_t face, std::optional<int> caller) {
@@ -28,7 +28,7 @@ class PatchTags {
   std::optional<int> caller(int tag) const { return tags_[std::size_t(tag - 1)].second; }
   /// The tags that stand for one of the caller's.
   std::vector<int> of_caller(const std::vector<int>& callers) const {
-    std::vector<int> found = {};
+    std::vector<int> found;
     for (int tag = 1; tag <= int(tags_.size()); ++tag) {
       if (caller(tag) && std::find(callers.begin(), callers.end(), *caller(tag)) != callers.end()) found.push_back(tag);
     }

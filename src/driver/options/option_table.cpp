@@ -74,8 +74,8 @@ constexpr std::array kDataTransfers{
     OptionChoice{
         "conserve", choice_value(DataTransfer::conserve),
         "floating-point data of vertices and of tetrahedra keep their integrals and get no new extremes, by the "
-        "overlap "
-        "of old and new tetrahedra; integers are those of the largest overlap; not for inverted or curved elements"}};
+        "overlap of old and new tetrahedra; integers are those of the largest overlap; not for inverted or curved "
+        "elements"}};
 
 constexpr const char* kSurface = "Surface and constraints";
 constexpr const char* kMethod = "Method";

@@ -37,7 +37,7 @@ class PartTaker {
     if (features.corners) freeze(VertexConstraint::corner);
     if (features.line_ends) freeze(VertexConstraint::line_end);
     take_triangles(frozen_patches);
-    take_edges(features.edges);
+    take_edges(features);
     const std::vector<std::array<Index, 4>> rest = tets_of_rest();
     const OtherElements others(mesh_);
     part_.triangle_stays = triangles_of(rest, others);
@@ -113,7 +113,7 @@ class PartTaker {
     }
   }
 
-  void take_edges(bool are_features) {
+  void take_edges(const ListedFeatures& features) {
     Marks is_ridge(mesh_.edges.size(), 0);
     Marks is_required(mesh_.edges.size(), 0);
     for (const Index e : mesh_.ridges) span_of(is_ridge)[e] = 1;
@@ -124,7 +124,7 @@ class PartTaker {
       if (!translate(edge)) continue;
       const int tag = span_of(mesh_.edge_tags)[i];
       const Index at = to_index(to.edges.size());
-      if (span_of(is_ridge)[i] != 0 || (are_features && tag != 0)) to.ridges.push_back(at);
+      if (span_of(is_ridge)[i] != 0 || (features.edges && tag != 0)) to.ridges.push_back(at);
       if (span_of(is_required)[i] != 0) to.required_edges.push_back(at);
       part_.edge2whole.push_back(i);
       to.edges.push_back(edge);

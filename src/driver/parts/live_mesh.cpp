@@ -104,7 +104,7 @@ MoveReport LiveMesh::move(const VertexTargets& target, const Context& caller) {
       return *std::move(report);
     }
   }
-  // The whole mesh: it gives the messages, too, with its numbers.
+  // Errors of the motion of the whole mesh have the numbers of this mesh.
   MoveReport report = tetune::move(mesh_, target, next_options(), context);
   follow(report.optimization);
   return report;

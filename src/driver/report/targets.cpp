@@ -2,6 +2,7 @@
 #include "driver/report/targets.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <optional>
@@ -168,11 +169,14 @@ class ConstraintFinder {
   std::vector<std::uint8_t> on_surface_, on_interface_, required_;
 };
 
-/// The order of TargetReport::worst.
+/// The order of TargetReport::worst. A value that is not a number, as measures of criteria may be of tiny elements, is
+/// the worst.
 struct IsWorse {
   bool larger_is_better;
   bool operator()(const MissedTet& x, const MissedTet& y) const {
-    return x.value != y.value ? (x.value < y.value) == larger_is_better : x.tet < y.tet;
+    if (std::isnan(x.value) != std::isnan(y.value)) return std::isnan(x.value);
+    if (x.value < y.value || x.value > y.value) return (x.value < y.value) == larger_is_better;
+    return x.tet < y.tet;
   }
 };
 

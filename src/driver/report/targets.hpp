@@ -57,7 +57,8 @@ void find_limiting(const ConstrainedMesh& mesh, const Options& options, const st
 /// Sorts tetrahedra that miss a target or a limit, the worst value first, then by id, and keeps at most kMaxMissed.
 void keep_worst(bool larger_is_better, std::vector<MissedTet>& missed);
 
-/// Adds the tetrahedra without a flag that miss a target, as locked ones; `number` gives that of one in the result.
+/// Adds the tetrahedra without a flag that miss a target, as locked ones; `number` returns the id that a tetrahedron
+/// has in the result.
 void add_locked(const TetMesh& mesh, const std::vector<std::uint8_t>& flags, int threads,
                 const std::function<Index(Index)>& number, std::vector<TargetReport>& targets);
 

@@ -64,12 +64,19 @@ class SurfaceBend {
   }
   TETUNE_HD static int corner_of(const BoundaryTriangle& t, Index v) { return t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2; }
 
-  /// Adds a triangle to a fan around v, turned over where the orientation differs from that of its neighbor in the fan.
-  TETUNE_HD void add(Index v, const BoundaryTriangle& t, bool turned, OpenFan& fan) const {
+  /// How a triangle at v is to be added to a fan of triangles around v.
+  enum class FanSide {
+    none,      ///< not at all: it is beside none of the fan
+    same,      ///< as it is: it has the orientation of its neighbor in the fan
+    opposite,  ///< turned over
+  };
+
+  /// Adds a triangle to a fan around v.
+  TETUNE_HD void add(Index v, const BoundaryTriangle& t, FanSide side, OpenFan& fan) const {
     const int k = corner_of(t, v);
     const Index a = t.v[(k + 1) % 3];
     const Index b = t.v[(k + 2) % 3];
-    turned ? fan.add(b, a) : fan.add(a, b);
+    side == FanSide::opposite ? fan.add(b, a) : fan.add(a, b);
   }
 
   TETUNE_HD double of_insertion(const SurfaceSimplex& simplex, const ReplacedTriangles& replaced, std::uint32_t& left,
@@ -134,27 +141,25 @@ class SurfaceBend {
       for (int i = 0; i < replaced.count; ++i) {
         if ((left >> i & 1) == 0) continue;
         const BoundaryTriangle& t = triangles_[replaced.triangle[i]];
-        const int side = fan.count == 0 ? 1 : side_in(v, t, fan);
-        if (side == 0) continue;
-        add(v, t, side < 0, fan);
+        const FanSide side = fan.count == 0 ? FanSide::same : side_in(v, t, fan);
+        if (side == FanSide::none) continue;
+        add(v, t, side, fan);
         left &= ~(std::uint32_t{1} << i);
         grown = true;
       }
     }
   }
-  /// Whether a triangle at v is beside one of a fan: 1 if it has the same orientation, -1 if it has the opposite one,
-  /// 0: it is not.
-  TETUNE_HD int side_in(Index v, const BoundaryTriangle& t, const OpenFan& fan) const {
+  TETUNE_HD FanSide side_in(Index v, const BoundaryTriangle& t, const OpenFan& fan) const {
     const int k = corner_of(t, v);
     for (int side = 1; side <= 2; ++side) {
       const Index w = t.v[(k + side) % 3];
       if (is_feature_edge(t, v, w)) continue;
       for (int i = 0; i < fan.count; ++i) {
-        if (fan.edge[i][2 - side] == w) return 1;
-        if (fan.edge[i][side - 1] == w) return -1;
+        if (fan.edge[i][2 - side] == w) return FanSide::same;
+        if (fan.edge[i][side - 1] == w) return FanSide::opposite;
       }
     }
-    return 0;
+    return FanSide::none;
   }
 
   Span<const Point> points_;

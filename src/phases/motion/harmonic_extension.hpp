@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include "boundary/vertex_dofs.hpp"
 #include "mesh/csr.hpp"
 #include "relocation/rings.hpp"
@@ -65,7 +67,8 @@ struct ListNeighbors {
 };
 
 /// Fills one row: per tetrahedron (v, p0, p1, p2) with w = 6 V the entries n_v . n_j / w^2, where n_i is w times the
-/// gradient of the linear basis function of vertex i.
+/// gradient of the linear basis function of vertex i. w counts as at least kMinVolume times the cube of the longest
+/// edge: it may round to 0, and the entries of flatter tetrahedra have rounding errors as large as those of others.
 struct FillRow {
   Span<const Point> points;
   RingsView rings;
@@ -87,17 +90,33 @@ struct FillRow {
   }
 
  private:
+  static constexpr double kMinVolume = 1e-6;
+
   /// Adds the entries of one tetrahedron, and returns that of the diagonal.
   TETUNE_HD double add(Size v, const Index* face, Size row, Size length) const {
     const Vec3 x = vec(points[v]);
     const Vec3 e[3] = {vec(points[face[0]]) - x, vec(points[face[1]]) - x, vec(points[face[2]]) - x};
     Vec3 n[3];
     for (int k = 0; k < 3; ++k) n[k] = cross(e[(k + 1) % 3], e[(k + 2) % 3]);
-    const double inverse = 1 / dot(n[0], e[0]);
+    const double min_volume = kMinVolume * cube_of_longest_edge(e, face);
+    const double volume = dot(n[0], e[0]);
+    const double inverse = 1 / (volume > min_volume ? volume : min_volume);
     for (int k = 0; k < 3; ++k) n[k] = inverse * n[k];
     const Vec3 own = -1.0 * (n[0] + n[1] + n[2]);
     for (int k = 0; k < 3; ++k) values[row + position(face[k], row, length)] += dot(own, n[k]);
     return dot(own, own);
+  }
+  /// Has the same bits for all four vertices of a tetrahedron, so that the matrix is symmetric.
+  TETUNE_HD double cube_of_longest_edge(const Vec3 (&from_vertex)[3], const Index* face) const {
+    double longest2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 opposite = vec(points[face[k]]) - vec(points[face[(k + 1) % 3]]);
+      const double own2 = dot(from_vertex[k], from_vertex[k]);
+      const double opposite2 = dot(opposite, opposite);
+      const double longer2 = own2 > opposite2 ? own2 : opposite2;
+      longest2 = longer2 > longest2 ? longer2 : longest2;
+    }
+    return longest2 * std::sqrt(longest2);
   }
   TETUNE_HD Size position(Index column, Size row, Size length) const {
     Size low = 0;

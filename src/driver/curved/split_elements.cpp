@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/curved/split_bounded.hpp"
+#include "driver/curved/split_elements.hpp"
 
 #include <algorithm>
 #include <set>
@@ -8,19 +8,24 @@
 #include "backend/span.hpp"
 #include "curved/curved_edges.hpp"
 #include "curved/held_bound.hpp"
+#include "driver/curved/curved_skeleton.hpp"
+#include "mesh/sorted.hpp"
 
 namespace tetune {
 namespace {
 
-constexpr int kMaxSplitRounds = 8;
+constexpr int kMaxInvalidRounds = 4;
+constexpr int kMaxBoundedRounds = 8;
 
-class Splitter {
+bool is_stopped(const RelaxationGoal& goal) { return goal.stop && goal.stop(); }
+
+class BoundedSplitter {
  public:
-  Splitter(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal, double max_tets)
+  BoundedSplitter(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal, double max_tets)
       : mesh_(mesh), held_(held), origins_(origins), goal_(goal), max_tets_(max_tets) {}
 
   void run() {
-    for (int round = 0; round < kMaxSplitRounds && !(goal_.stop && goal_.stop()); ++round) {
+    for (int round = 0; round < kMaxBoundedRounds && !is_stopped(goal_); ++round) {
       std::vector<Index> tets = find_bounded(mesh_, held_, kSmallBound);
       std::erase_if(tets, [this](Index t) { return excluded_.contains(span_of(origins_.tets)[t]); });
       if (tets.empty()) break;
@@ -73,8 +78,29 @@ class Splitter {
 
 }  // namespace
 
+void split_invalid(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal) {
+  std::vector<Index> left = find_unfolded(mesh, goal.threads);
+  for (int round = 0; round < kMaxInvalidRounds && !left.empty() && !is_stopped(goal); ++round) {
+    TetMesh trial = mesh;
+    HeldNodes trial_held = held;
+    Origins trial_origins = origins;
+    std::vector<Index> relaxed = split_edges(trial, held, left, kUnlimitedSplits, trial_origins);
+    if (relaxed.empty()) return;
+    trial_held.vertices.resize(trial.points.size(), 0);
+    relaxed.insert(relaxed.end(), left.begin(), left.end());
+    sort_unique(relaxed);
+    relax_curved(trial, trial_held, relaxed, goal);
+    std::vector<Index> still_invalid = find_unfolded(trial, goal.threads);
+    if (still_invalid.size() >= left.size()) return;
+    left = std::move(still_invalid);
+    mesh = std::move(trial);
+    held = std::move(trial_held);
+    origins = std::move(trial_origins);
+  }
+}
+
 void split_bounded(TetMesh& mesh, HeldNodes& held, Origins& origins, const RelaxationGoal& goal, double max_tets) {
-  Splitter(mesh, held, origins, goal, max_tets).run();
+  BoundedSplitter(mesh, held, origins, goal, max_tets).run();
 }
 
 }  // namespace tetune
