@@ -77,6 +77,8 @@ concept MemoryHandle = std::default_initializable<Memory> && std::copyable<Memor
   memory.copy(to, from, bytes);
   memory.upload(to, from, bytes);
   memory.download(to, from, bytes);
+  /// Whether memory that is released is free for other buffers at no cost; elsewhere the system hands out new pages.
+  requires std::same_as<decltype(Memory::kIsPool), const bool>;
 };
 
 /// The interface of an array of a backend: see backend/buffer.hpp.

@@ -24,6 +24,7 @@ namespace tetune::backend {
 /// first takes longer than to copy to them.
 class HostMemory {
  public:
+  static constexpr bool kIsPool = false;
   explicit HostMemory(ThreadPool* pool = nullptr) : pool_(pool) {}
 
   static void* allocate(std::size_t bytes) {

@@ -29,6 +29,7 @@ inline void check_cuda(cudaError_t status, const char* what) {
 /// uses it next, transfers included, is enqueued in the same stream and so runs after them.
 class CudaMemory {
  public:
+  static constexpr bool kIsPool = true;
   CudaMemory() = default;
   explicit CudaMemory(GrowingPool& pool) : pool_(&pool) {}
 

@@ -95,7 +95,7 @@ std::size_t memory_needed_on_device(const TetMesh& mesh, const Options& options)
   // larger than their own memory, because meshes with many vertices per tetrahedron have much surface.
   const std::size_t vertices = mesh.points.size();
   const std::size_t tets = mesh.tets.size();
-  std::size_t loop = 132 * tets + 300 * vertices;
+  std::size_t loop = 104 * tets + 310 * vertices;
   if (options.boundary == Boundary::slide) loop += 100 * vertices;  // the reference surface
   loop += checked_surface_bytes(mesh, options);
   if (options.effort == Effort::best) loop += loop / 4;  // room for inserted vertices

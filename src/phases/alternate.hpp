@@ -61,6 +61,7 @@ bool alternate(Optimizer<Backend>& optimizer, const Criterion& criterion) {
     if (!optimizer.proceed(Phase::sweeps, iteration)) return false;
     if (options.flips && schedule.flips_due(iteration)) {
       optimizer.timer.measure(Phase::flips, [&] {
+        optimizer.release_rings();
         optimizer.set_energy(activate_drifted(backend, work.mesh, criterion, work.flips, flips.min_energy()));
       });
       const double energy_before_flips = optimizer.energy();

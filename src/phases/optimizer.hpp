@@ -68,12 +68,18 @@ class Optimizer {
 
   /// Call this after degrees of freedom have changed or the mesh was uploaded.
   void invalidate_rings() { rings_stale_ = true; }
+  /// Call this before flips: rings and active tetrahedra take turns in the memory of a pool.
+  void release_rings() {
+    if constexpr (Backend::Memory::kIsPool) work.rings = {};
+  }
   /// Builds the rings of all vertices, and colors them, if they are out of date. Returns false if a requested stop
-  /// prevented it.
+  /// prevented it. Call an activation before flips that follow.
   bool refresh_rings() {
-    if (!rings_stale_) return true;
+    if (!rings_stale_ && work.rings.offsets.size() > 0) return true;
+    if constexpr (Backend::Memory::kIsPool) work.flips.release_active();
     timer.measure(Phase::rings, [&] { build_rings(backend, work.mesh, work.rings); });
     if (backend.stop_requested()) return false;
+    if (!rings_stale_) return true;
     rings_stale_ = false;
     timer.measure(Phase::coloring, [&] { color(); });
     report.colors = work.coloring.colors();

@@ -33,6 +33,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
       if (!ready) return;
       optimizer.sweep_once(criterion, SweepScope::mesh);
       if (sweep > p.sweeps_with_flips) return;
+      optimizer.release_rings();
       if (sweep == 1) {
         optimizer.sum_energy(kShapeObjective);
         activate_all(backend, work.mesh, criterion, work.flips);

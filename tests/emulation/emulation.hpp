@@ -22,6 +22,7 @@ namespace tetune::backend {
 /// A handle of the memory of an Emulation.
 class EmulatedMemory {
  public:
+  static constexpr bool kIsPool = true;
   EmulatedMemory() = default;
   explicit EmulatedMemory(DeviceMemory& memory) : memory_(&memory) {}
 

@@ -68,6 +68,13 @@ struct FlipState {
   /// The largest ring of an edge removal, 3 to kMaxRing; 0: no flips.
   int max_ring = kMaxRing;
 
+  /// Frees the memory of what the next activation makes again.
+  void release_active() {
+    active = {};
+    tet2bid = {};
+    bids_are_clear = false;
+  }
+
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 
   /// Called before a pass, whose bids are not clear afterwards. The mesh may be another than at the last activation.
