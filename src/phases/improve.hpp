@@ -36,11 +36,14 @@ bool improve(Optimizer<Backend>& optimizer) {
   Criterion criterion = improve_detail::measure_mesh(optimizer);
   if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return false;
   if (!improves_worst(optimizer.options)) return true;
-  if (!lower_mean_energy(optimizer, criterion.floor) || !improve_worst(optimizer, criterion.floor)) return false;
+  const std::int64_t lost_before = vertices_lost(optimizer.report);
+  if (!lower_mean_energy(optimizer, optimizer.tuning.mean, criterion.floor, lost_before) ||
+      !improve_worst(optimizer, criterion.floor))
+    return false;
   criterion.floor.relax_mean_ratio(optimizer.tuning.angles.mean_ratio_fraction);
   const QualityFloor input_floor = criterion.floor;
   return improve_angles(optimizer, criterion.floor) && restart_worst(optimizer, input_floor, criterion.floor) &&
-         polish(optimizer, criterion.floor);
+         polish(optimizer, criterion.floor, lost_before);
 }
 
 }  // namespace tetune

@@ -55,15 +55,16 @@ class NewNeighborhoods {
   BufferOf<Backend, std::uint32_t> fingerprints_;  ///< per slot; 0: none
 };
 
-/// One round. Returns (E0 - E1) / (E0 - 1), where E0 and E1 are the mean energies before and after.
+/// One round, on at most `max_fraction` of the tetrahedra. Returns (E0 - E1) / (E0 - 1), where E0 and E1 are the mean
+/// energies before and after.
 template <class Backend>
-double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, RetriangulationLimits limits,
-                  NewNeighborhoods<Backend>& neighborhoods, WorstReport& r) {
+double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, double max_fraction,
+                  RetriangulationLimits limits, NewNeighborhoods<Backend>& neighborhoods, WorstReport& r) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
   const auto mean_energy = [&] { return optimizer.energy() / static_cast<double>(work.mesh.tets()); };
   limits.mean_energy = mean_energy();
-  const double max_above = optimizer.tuning.mean.max_fraction * static_cast<double>(work.mesh.tets());
+  const double max_above = max_fraction * static_cast<double>(work.mesh.tets());
   const double bound = upper_quantile(backend, optimizer.slot_energies(), max_above);
   const auto worst = tets_above(backend, work.mesh, optimizer.slot_energies(), bound);
   const auto proposers = neighborhoods.find_above(optimizer, bound);
@@ -76,30 +77,31 @@ double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, Ret
 
 }  // namespace lower_mean_energy_detail
 
+/// The number of vertices that a run has removed beyond those that it has inserted.
+inline std::int64_t vertices_lost(const Report& report) { return report.vertices_removed - report.vertices_inserted; }
+
 /// Inserts and removes vertices where that lowers the mean energy of the mesh, in rounds around its tetrahedra of the
-/// largest energies. Reports Report::worst_rounds. Returns false when the caller cancels.
+/// largest energies. `lost_before`: vertices_lost() at the start of the phases. Reports Report::worst_rounds. Returns
+/// false when the caller cancels.
 template <class Backend>
-bool lower_mean_energy(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
-  const MeanParameters& p = optimizer.tuning.mean;
+bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, const QualityFloor& floor,
+                       std::int64_t lost_before) {
   if (!edits_vertices(optimizer.options)) return true;
   const Criterion criterion{kShapeObjective, floor};
   RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_fraction);
   limits.min_gain = p.min_gain;
   const Report& report = optimizer.report;
-  const auto removed = [&report] { return report.vertices_removed - report.vertices_inserted; };
-  // Steps of a motion before may have removed vertices.
-  const std::int64_t removed_before = removed();
-  const auto max_removed =
-      static_cast<std::int64_t>(p.max_removed * static_cast<double>(optimizer.work.mesh.vertices()));
+  const auto lost = [&] { return vertices_lost(report) - lost_before; };
+  const auto max_lost = static_cast<std::int64_t>(p.max_lost * static_cast<double>(report.vertices));
   optimizer.timer.measure(Phase::worst, [&] { optimizer.sum_energy(kShapeObjective); });
   lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {
-    if (removed() - removed_before > max_removed) break;
+    if (lost() > max_lost) break;
     WorstReport r;
     r.round = round;
     r.seconds = optimizer.timer.measure(Phase::worst, [&] {
-      fall = lower_mean_energy_detail::lower_once(optimizer, criterion, limits, neighborhoods, r);
+      fall = lower_mean_energy_detail::lower_once(optimizer, criterion, p.max_fraction, limits, neighborhoods, r);
     });
     r.dihedral_min = optimizer.traced_angle();
     optimizer.report.worst_rounds.push_back(r);

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "phases/improve_around.hpp"
+#include <cstdint>
+
+#include "phases/lower_mean_energy.hpp"
 
 namespace tetune {
 
-/// Lowers the energy of the whole mesh, which work on a few tetrahedra has raised: sweeps, the first ones with flips.
-/// No tetrahedron becomes worse than the present worst, and no angle smaller than `reached` allows. Returns false when
-/// the caller cancels.
+/// Lowers the energy of the whole mesh, which work on a few tetrahedra has raised: by inserted and removed vertices
+/// (lower_mean_energy()), then by sweeps, the first ones with flips. No tetrahedron becomes worse than the present
+/// worst, and no angle smaller than `reached` allows. Returns false when the caller cancels.
 template <class Backend>
-bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
+bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached, std::int64_t lost_before) {
   const PolishParameters& p = optimizer.tuning.polish;
   if (p.sweeps == 0) return true;
   const Backend& backend = optimizer.backend;
@@ -25,8 +27,9 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached) {
     criterion.floor.limit_angles(reached.extremes());
     limit_largest_angle(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight,
                         criterion.floor);
-    backend.fill(work.dofs.active.span(), std::uint8_t{1});
   });
+  if (!lower_mean_energy(optimizer, p.mean, criterion.floor, lost_before)) return false;
+  backend.fill(work.dofs.active.span(), std::uint8_t{1});
   for (int sweep = 1; sweep <= p.sweeps; ++sweep) {
     const bool ready = optimizer.refresh_rings();
     optimizer.timer.measure(Phase::angles, [&] {

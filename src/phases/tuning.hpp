@@ -74,8 +74,8 @@ struct MeanParameters {
   double min_fall = 0.01;
   /// The fraction of the growth of the mesh that insertion may use up: the smallest angles need the rest.
   double growth_fraction = 0.4;
-  /// No round follows when the mesh has lost more than this fraction of its vertices.
-  double max_removed = 0.1;
+  /// No round follows when the mesh has lost more than this fraction of the caller's vertices.
+  double max_lost = 0.1;
 };
 
 /// improve_worst(): rounds of work around the tetrahedra of the largest energy.
@@ -193,10 +193,12 @@ struct RestartParameters {
   double max_reserved_fraction = 0.4;
 };
 
-/// polish(): sweeps and flips above the floor of the angles reached.
+/// polish(): lower_mean_energy(), sweeps and flips above the floor of the angles reached.
 struct PolishParameters {
   int sweeps = 0;
   int sweeps_with_flips = 0;  ///< the first ones
+  /// Work on the extremes has inserted vertices in places where the mean energy can fall again.
+  MeanParameters mean;
 };
 
 /// TargetFollower: the steps of a motion. A fraction is of the straight way to a target.
@@ -265,7 +267,7 @@ constexpr Tuning best() {
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
   t.restart.rounds = 10;
-  t.polish = {4, 2};
+  t.polish = {4, 2, {.max_rounds = 12, .max_fraction = 0.2, .growth_fraction = 1}};
   return t;
 }
 
