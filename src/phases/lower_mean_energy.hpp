@@ -78,26 +78,26 @@ double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, dou
 }  // namespace lower_mean_energy_detail
 
 /// The number of vertices that a run has removed beyond those that it has inserted.
-inline std::int64_t vertices_lost(const Report& report) { return report.vertices_removed - report.vertices_inserted; }
+inline std::int64_t net_removed(const Report& report) { return report.vertices_removed - report.vertices_inserted; }
 
 /// Inserts and removes vertices where that lowers the mean energy of the mesh, in rounds around its tetrahedra of the
-/// largest energies. `lost_before`: vertices_lost() at the start of the phases. Reports Report::worst_rounds. Returns
+/// largest energies. `removed_before`: net_removed() at the start of the phases. Reports Report::worst_rounds. Returns
 /// false when the caller cancels.
 template <class Backend>
 bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, const QualityFloor& floor,
-                       std::int64_t lost_before) {
+                       std::int64_t removed_before) {
   if (!edits_vertices(optimizer.options)) return true;
   const Criterion criterion{kShapeObjective, floor};
   RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_fraction);
   limits.min_gain = p.min_gain;
   const Report& report = optimizer.report;
-  const auto lost = [&] { return vertices_lost(report) - lost_before; };
-  const auto max_lost = static_cast<std::int64_t>(p.max_lost * static_cast<double>(report.vertices));
+  const auto removed = [&] { return net_removed(report) - removed_before; };
+  const auto max_removed = static_cast<std::int64_t>(p.max_removed * static_cast<double>(report.vertices));
   optimizer.timer.measure(Phase::worst, [&] { optimizer.sum_energy(kShapeObjective); });
   lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {
-    if (lost() > max_lost) break;
+    if (removed() > max_removed) break;
     WorstReport r;
     r.round = round;
     r.seconds = optimizer.timer.measure(Phase::worst, [&] {

@@ -11,7 +11,7 @@ namespace tetune {
 /// (lower_mean_energy()), then by sweeps, the first ones with flips. No tetrahedron becomes worse than the present
 /// worst, and no angle smaller than `reached` allows. Returns false when the caller cancels.
 template <class Backend>
-bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached, std::int64_t lost_before) {
+bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached, std::int64_t removed_before) {
   const PolishParameters& p = optimizer.tuning.polish;
   if (p.sweeps == 0) return true;
   const Backend& backend = optimizer.backend;
@@ -28,7 +28,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached, std::int
     limit_largest_angle(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight,
                         criterion.floor);
   });
-  if (!lower_mean_energy(optimizer, p.mean, criterion.floor, lost_before)) return false;
+  if (!lower_mean_energy(optimizer, p.mean, criterion.floor, removed_before)) return false;
   backend.fill(work.dofs.active.span(), std::uint8_t{1});
   for (int sweep = 1; sweep <= p.sweeps; ++sweep) {
     const bool ready = optimizer.refresh_rings();

@@ -75,7 +75,7 @@ struct MeanParameters {
   /// The fraction of the growth of the mesh that insertion may use up: the smallest angles need the rest.
   double growth_fraction = 0.4;
   /// No round follows when the mesh has lost more than this fraction of the caller's vertices.
-  double max_lost = 0.1;
+  double max_removed = 0.1;
 };
 
 /// improve_worst(): rounds of work around the tetrahedra of the largest energy.
