@@ -3,6 +3,7 @@
 
 import csv
 import json
+import random
 from pathlib import Path
 
 import cli_case
@@ -238,6 +239,27 @@ class Optimize(CliTest):
         self.assertEqual(["m.face does not exist" in w for w in json.loads(self.read_bytes("r.json"))["warnings"]], [True])
         done = self.run_cli("optimize", self.path("m.ele"), "-o", self.path("out.mesh"), "-v", "-1")
         self.assertEqual(done.stdout + done.stderr, "")
+
+    def test_a_layer_whose_largest_angle_grows(self):
+        """In a layer of one element that is a hundred times as wide as thick the warning has the angles of the tables."""
+        n = 8
+        whole = cube(n, jitter=0)
+        layer = (n + 1) ** 2
+        shift = random.Random(1)
+        bottom = [(x + shift.uniform(-0.2, 0.2) / n, y + shift.uniform(-0.2, 0.2) / n) if 0 < x < 1 and 0 < y < 1 else (x, y)
+                  for x, y, _ in whole.points[:layer]]
+        tets = [tet for tet in whole.tets if max(tet) < 2 * layer]
+        points = [(x, y, z) for z in (0, 0.01) for x, y in bottom]
+        self.put("in.mesh", Mesh(points, tets, [0] * len(points), [1] * len(tets)))
+        done = self.run_cli("optimize", "in.mesh", "-o", "out.mesh", "--report", "r.json", cwd=self.folder)
+        report = json.loads(self.read_bytes("r.json"))
+        before, after = (report[part]["dihedral_max_deg"] for part in ("before", "after"))
+        self.assertGreater(after, 150)
+        self.assertIn(f"largest dihedral angle {before:.2f} -> {after:.2f}", done.stderr)
+        self.assertEqual(len([text for text in report["warnings"] if "at the expense of others" in text]), 1)
+        # The same elements in a thick layer.
+        self.put("in.mesh", Mesh([(x, y, 10 * z) for x, y, z in points], tets, [0] * len(points), [1] * len(tets)))
+        self.assertNotIn("expense", self.run_cli("optimize", "in.mesh", "-o", "out.mesh", cwd=self.folder).stderr)
 
 
 if __name__ == "__main__":

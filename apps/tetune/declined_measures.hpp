@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tetune/quality.hpp"
+
+namespace tetune::cli {
+
+/// A warning where the largest dihedral angle, the angle that 5 % of the angles are below, or the mean ratio of an
+/// optimized mesh is clearly worse than that of the input; otherwise none. The sum of the energy falls nevertheless: in
+/// layers that are much wider than thick, few of the elements have most of it.
+std::vector<std::string> declined_measures(const Quality& before, const Quality& after);
+
+}  // namespace tetune::cli
