@@ -260,6 +260,16 @@ int info(const CLI::App& c, const InspectArguments& a) {
   return is_valid(i) && (met || bounds.empty()) && is_accepted(i) ? kDone : kStoppedEarly;
 }
 
+/// Meshes of one part have about the same volume.
+void warn_of_volumes(const InspectArguments& a, const Comparison& c) {
+  constexpr double kUnrelated = 2;
+  const double ratio = 1 + c.volume_change;
+  if (ratio <= kUnrelated && ratio >= 1 / kUnrelated) return;
+  print_warnings({fmt::format(
+      "{} has {:.3g} times the volume of {}: check that both are meshes of the same part, in the same unit", a.files[1],
+      ratio, a.files[0])});
+}
+
 int compare_files(const InspectArguments& a) {
   const std::optional<AcceptanceCriteria> criteria = criteria_of(a);
   const Inspection before = inspect(a, criteria, 0);
@@ -269,6 +279,7 @@ int compare_files(const InspectArguments& a) {
     throw MeshError(a.files[first ? 0 : 1] + ": " + defects_of(first ? before : after));
   }
   const Comparison c = compare(before.mesh, after.mesh, a.threads);
+  warn_of_volumes(a, c);
   if (a.json) {
     fmt::print("{}", json_text({{"before", side_json(a.files[0], before)},
                                 {"after", side_json(a.files[1], after)},

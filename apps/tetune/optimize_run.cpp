@@ -272,8 +272,8 @@ class Run {
       write_beside_mesh(job_.report, json_text(json));
     }
     if (!job_.page.empty()) {
-      nlohmann::ordered_json json = report_head();
-      json.update({{"page", job_.page}, {"optimization", to_json(report_)}});
+      nlohmann::ordered_json json = full_report();
+      json["page"] = job_.page;
       write_beside_mesh(a_.page_data, json_text(json));
     }
     if (lacks_texts_ && result_.code == kDone) {

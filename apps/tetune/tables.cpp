@@ -279,8 +279,9 @@ std::vector<std::string> constraint_notes(const Report& r) {
   }
   if (r.triangles_dropped > 0) {
     texts.push_back(fmt::format(
-        "{} listed triangles constrain nothing and are dropped: they are not faces of the mesh, or lie inside "
-        "a region without a tag or with --no-open-boundaries",
+        "{} listed triangles constrain nothing and are dropped: they are not faces of the mesh, or lie inside a "
+        "region without a tag or with --no-open-boundaries; an interface is kept if the tetrahedra on its sides or "
+        "its triangles have tags: name cell data that have them (--tags), or write a format with tags, such as .msh",
         r.triangles_dropped));
   }
   if (r.edges_dropped > 0) {

@@ -70,4 +70,15 @@ TETUNE_API std::vector<std::string> files_read(const std::string& path);
 TETUNE_API std::string readable_endings();
 TETUNE_API std::string writable_endings();
 
+/// Adds a folder to those in which the programs that use VTK, Gmsh and OpenCASCADE are searched for:
+/// `../libexec/tetune` and `libexec/tetune` beside the library (a static one: beside the running program), these
+/// folders, and the one that CMAKE_INSTALL_PREFIX named when the library was built. Programs in it run with the rights
+/// of this process. Throws OptionError unless the path is absolute.
+TETUNE_API void add_plugin_folder(const std::string& folder);
+
+#ifdef TETUNE_INSTALLED_PLUGINS
+/// A static library cannot find its installation; find_package(tetune) defines the folder.
+inline const bool kHasInstalledPlugins = (add_plugin_folder(TETUNE_INSTALLED_PLUGINS), true);
+#endif
+
 }  // namespace tetune

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page, in a browser."""
 
+import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,11 +16,29 @@ from meshes import BRACKET, shaken_box
 pytest.importorskip("plotly")
 
 
+CRITERIA = """
+[min_dihedral_deg]
+warn = 60
+fail = 1
+
+[mean_ratio]
+fail = 0.001
+"""
+
+
+def data_of(page):
+    """What the page shows."""
+    found = re.search('<script type="application/json" id="data">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
+    return json.loads(found[1])
+
+
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
+    (folder / "criteria.toml").write_text(CRITERIA)
     run = subprocess.run(
-        [sys.executable, "-m", "tetune", "optimize", BRACKET, "-o", "out.mesh", "--report-html", "page.html", "--effort", "best"],
+        [sys.executable, "-m", "tetune", "optimize", BRACKET, "-o", "out.mesh", "--report-html", "page.html", "--effort", "best",
+         "--target-dihedral", "1", "--criteria", "criteria.toml"],
         cwd=folder, capture_output=True, text=True,
     )
     assert run.returncode == 0, run.stderr
@@ -55,6 +75,11 @@ def test_in_a_browser(page):
         assert tab.locator("#worst0 tbody tr").count() == 12
         assert tab.locator("#worst0 tbody tr").first.inner_text().startswith(str(q.worst[0].tet + 1))
         assert tab.locator("#histograms .main-svg .bars").count() == 6
+        assert tab.locator("#h-acceptance").inner_text() == "Acceptance: criteria.toml"
+        assert tab.locator("#verdicts").inner_text() == "Before: fail; after: warn."
+        assert tab.locator("#criteria tbody tr").count() == 2
+        assert tab.locator("#targets tbody tr").first.inner_text().startswith("min_dihedral_deg\t1\tmet\t0 of")
+        assert tab.locator("#warnings").is_hidden()
         assert "vertices inserted" in tab.locator("#summary").inner_text()
         assert tab.locator("#charts .chart").count() == 4
         assert "Smallest dihedral angle over sweeps" in tab.locator("#charts").inner_text()
@@ -195,6 +220,69 @@ def test_page_beside_the_report(tmp_path):
     done = run(tmp_path, "move", "in.mesh", "--to", "to.mesh", "-o", "moved.mesh", "--report-html", "moved.html")
     assert done.returncode == 0, done.stderr
     assert sorted(f.name for f in tmp_path.iterdir()) == ["in.html", "in.json", "in.mesh", "moved.html", "moved.mesh", "out.mesh", "to.mesh"]
+
+
+def test_what_a_run_missed(tmp_path):
+    points, tets = shaken_box(2, 2, 2)
+    tetune.write_mesh(tmp_path / "in.mesh", tetune.TetMesh(points, tets))
+    (tmp_path / "c.toml").write_text(CRITERIA.replace("60", "66").replace("fail = 1", "fail = 65"))
+    words = ["--criteria", "c.toml", "--target-dihedral", "65", "--max-deviation", "1%", "--report", "run.json"]
+    done = run(tmp_path, "optimize", "in.mesh", "out.mesh", "--report-html", "p.html", *words)
+    assert done.returncode == 1, done.stderr
+    data = data_of(tmp_path / "p.html")
+    ratio, angle = data["acceptance"]["rows"]
+    assert data["acceptance"]["criteria"] == "c.toml" and data["acceptance"]["verdicts"] == ["fail", "fail"]
+    assert ratio[:3] == ["mean_ratio", "none", "0.001"] and ratio[5].startswith("pass: worst 0.")
+    assert angle[:4] == ["min_dihedral_deg", "66", "65", "0 %"]
+    assert re.fullmatch(r"fail: [0-9]+ of [0-9]+ fail, .*worst [0-9.]+", angle[5])
+    (target,) = data["targets"]
+    assert target[:3] == ["min_dihedral_deg", "65", "missed"] and re.fullmatch(r"[0-9]+ of [0-9]+", target[3])
+    assert re.search(r"\([0-9]+\)", target[4])
+    assert any("--max-deviation 1% has no effect" in w for w in data["warnings"])
+
+    # The same from the files.
+    assert run(tmp_path, "report", "in.mesh", "out.mesh", "-o", "r.html", "--run", "run.json").returncode == 0
+    again = data_of(tmp_path / "r.html")
+    assert all(again[key] == data[key] for key in ("acceptance", "targets", "warnings", "figures"))
+    assert run(tmp_path, "report", "in.mesh", "out.mesh", "-o", "r.html").returncode == 0
+    plain = data_of(tmp_path / "r.html")
+    assert plain["acceptance"] is None and plain["targets"] == plain["warnings"] == []
+
+
+def test_criteria_of_a_motion(tmp_path):
+    points, tets = shaken_box(2, 2, 2)
+    tetune.write_mesh(tmp_path / "in.mesh", tetune.TetMesh(points, tets))
+    tetune.write_mesh(tmp_path / "to.mesh", tetune.TetMesh(points + 0.1, tets))
+    (tmp_path / "c.toml").write_text(CRITERIA)
+    done = run(tmp_path, "move", "in.mesh", "--to", "to.mesh", "-o", "m.mesh", "--report-html", "m.html", "--criteria", "c.toml")
+    assert done.returncode == 0, done.stderr
+    judged = data_of(tmp_path / "m.html")["acceptance"]
+    assert judged["verdicts"] == ["warn", "warn"] and re.fullmatch("warn: [0-9]+ of [0-9]+ warn, worst [0-9.]+", judged["rows"][1][5])
+
+
+def test_curved_elements(tmp_path):
+    points, tets = shaken_box(2, 2, 2)
+    edge = tets[0][:2]
+    middle = points[edge].mean(axis=0)
+    for name, offset in (("a", 0.0), ("b", 3.0)):
+        mesh = tetune.TetMesh(points, tets, curved_edges=[edge], curved_middles=[middle + offset])
+        tetune.write_mesh(tmp_path / f"{name}.msh", mesh)
+    assert run(tmp_path, "report", "a.msh", "b.msh", "-o", "r.html").returncode == 0
+    figures = {title: values for title, *values in data_of(tmp_path / "r.html")["figures"]}
+    assert figures["Curved tetrahedra"][0] == "0" and int(figures["Curved tetrahedra"][1]) > 0
+    assert figures["Curved tetrahedra not proved valid"][0] == "0" and int(figures["Curved tetrahedra not proved valid"][1]) > 0
+    smallest = [float(v) for v in figures["Scaled Jacobian, smallest"]]
+    assert smallest[0] > 0 > smallest[1]
+
+
+def test_other_volumes_are_a_warning(tmp_path):
+    points, tets = shaken_box(2, 2, 2)
+    for name, scale in (("a", 1.0), ("b", 10.0)):
+        tetune.write_mesh(tmp_path / f"{name}.mesh", tetune.TetMesh(scale * points, tets))
+    assert run(tmp_path, "report", "a.mesh", "b.mesh", "-o", "r.html").returncode == 0
+    (warning,) = data_of(tmp_path / "r.html")["warnings"]
+    assert warning.startswith("The volumes differ by more than a factor of 2 (")
+    assert "Curved" not in str(data_of(tmp_path / "r.html")["figures"])
 
 
 def test_without_plotly(tmp_path):

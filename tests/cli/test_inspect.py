@@ -180,6 +180,15 @@ class Compare(CliTest):
             self.assertEqual(list(result[side]["quality"]["measures"]), MEASURES)
         self.assertNotIn("NO", text)
 
+    def test_other_volumes_are_a_warning(self):
+        mesh = cube(2)
+        small = self.put("a.mesh", mesh)
+        for scale, said in ((2, "times the volume"), (2.01, "b.mesh has 2.01 times the volume"), (0.49, "b.mesh has 0.49 times")):
+            wide = Mesh([(scale * x, y, z) for x, y, z in mesh.points], mesh.tets)
+            done = self.run_cli("compare", small, self.put("b.mesh", wide))
+            check = self.assertNotIn if scale == 2 else self.assertIn
+            check(said, done.stderr)
+
     def test_different(self):
         mesh = cube(2)
         wide = Mesh([(2 * x, y, z) for x, y, z in mesh.points], mesh.tets, mesh.point_tags, [5] * len(mesh.tets))

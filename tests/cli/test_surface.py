@@ -89,6 +89,7 @@ class Slide(CliTest):
         source = self.put("in.mesh", with_triangles(cube(3), [((0, 21, 63), 0)]))
         done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--quiet")
         self.assertIn("1 listed triangles constrain nothing and are dropped", done.stderr)
+        self.assertIn("name cell data that have them (--tags)", done.stderr)
 
     def test_nosurf_is_a_fixed_boundary(self):
         mesh = cube(4)

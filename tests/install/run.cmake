@@ -11,6 +11,10 @@ run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/consumer -G ${GENERATOR} -DCMAKE_PR
   -DCMAKE_CXX_COMPILER=${COMPILER} -DMPI_PROGRAM=${MPI_PROGRAM})
 run(${CMAKE_COMMAND} --build ${WORK}/consumer)
 run(${WORK}/consumer/consumer)
+# The program is not beside the plugins, and they are not where the build was configured to install them.
+if(EXISTS ${WORK}/prefix/libexec/tetune/tetune-vtk)
+  run(${WORK}/consumer/consumer ${WORK}/consumer/one.vtu)
+endif()
 if(MPI_PROGRAM)
   run(${WORK}/consumer/consumer_mpi -n 4)
 endif()

@@ -273,6 +273,27 @@ TEST_F(Plugins, ScriptsAreNotRun) {
   EXPECT_FALSE(std::filesystem::exists(path("ran")));
 }
 
+class PluginFolders : public IoTest {};
+
+TEST_F(PluginFolders, AreSearchedAndNamedWhereTheProgramIsMissing) {
+  const Plugin plugin{"tetune-of-a-test", "Library"};
+  EXPECT_THROW(add_plugin_folder("libexec"), OptionError);
+  add_plugin_folder(path("plugins"));
+  try {
+    require_plugin(plugin, "a.vtu");
+    FAIL() << "there is no such program";
+  } catch (const FileError& e) {
+    const std::string said = e.what();
+    EXPECT_NE(said.find("no tetune-of-a-test in /"), std::string::npos) << said;
+    EXPECT_NE(said.find(path("plugins")), std::string::npos) << said;
+    EXPECT_NE(said.find("install Library"), std::string::npos) << said;
+  }
+  std::filesystem::create_directory(path("plugins"));
+  put("plugins/tetune-of-a-test", "");
+  EXPECT_TRUE(has_plugin(plugin));
+  EXPECT_NO_THROW(require_plugin(plugin, "a.vtu"));
+}
+
 TEST_F(Plugins, AFailedWriteLeavesTheOldFile) {
   TetMesh m = cube(2);
   m.others = {{"Heptahedra", 7, {0, 1, 2, 3, 4, 5, 6}, {1}, {}}};

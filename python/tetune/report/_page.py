@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from .. import Comparison, FileError, MeshError, Quality, TetMesh, __version__, compare
+from ._outcome import acceptance, targets, warnings
 from ._scene import COLORS, Measured, Scene, cuts_per_axis, worst_places
 
 # Measure, title, first and last edge of the bins, their number.
@@ -52,7 +53,7 @@ def _figures(before: Measured, after: Measured) -> list[tuple[str, str, str]]:
 
         return figure
 
-    return [
+    rows = [
         row("Vertices", "{:,}", lambda m: len(m.mesh.points)),
         row("Tetrahedra", "{:,}", lambda m: len(m.mesh.tets)),
         row("Smallest dihedral angle", "{:.2f}°", of(lambda q: q.dihedral_min)),
@@ -64,6 +65,14 @@ def _figures(before: Measured, after: Measured) -> list[tuple[str, str, str]]:
         row("Mean ratio, 1 % are below", "{:.4f}", of(lambda q: q.measures["mean_ratio"].p1)),
         row("Radius ratio, largest", "{:.4g}", of(lambda q: q.measures["radius_ratio"].max)),
         row("Volume", "{:.6g}", of(lambda q: q.volume)),
+    ]
+    if before.quality.curved.tets == after.quality.curved.tets == 0:
+        return rows
+    return [
+        *rows,
+        row("Curved tetrahedra", "{:,}", of(lambda q: q.curved.tets)),
+        row("Curved tetrahedra not proved valid", "{:,}", of(lambda q: q.curved.tets - q.curved.valid)),
+        row("Scaled Jacobian, smallest", "{:.4f}", of(lambda q: q.curved.min_scaled_jacobian)),
     ]
 
 
@@ -137,6 +146,9 @@ def write_page(
         "names": names,
         "figures": _figures(*measured),
         "changes": _changes(changes.result()),
+        "acceptance": acceptance(run),
+        "targets": targets(run),
+        "warnings": warnings(run, (measured[0].quality.volume, measured[1].quality.volume)),
         "histograms": _histograms(*measured),
         "optimization": None if run is None else run["optimization"],
         "low": low.tolist(),

@@ -33,6 +33,17 @@
   };
   $("figures").tBodies[0].append(...data.figures.map(row));
   $("changes").tBodies[0].append(...data.changes.map(row));
+  if (data.acceptance) {
+    const { criteria, verdicts, rows, notes } = data.acceptance;
+    $("acceptance").hidden = false;
+    $("h-acceptance").textContent = `Acceptance: ${criteria}`;
+    $("verdicts").textContent = `Before: ${verdicts[0]}; after: ${verdicts[1]}.` + notes.map((n) => ` Note: ${n}.`).join("");
+    $("criteria").tBodies[0].append(...rows.map(row));
+  }
+  $("targets").hidden = data.targets.length === 0;
+  $("targets").querySelector("tbody").append(...data.targets.map(row));
+  $("warnings").hidden = data.warnings.length === 0;
+  $("warnings").querySelector("ul").append(...data.warnings.map((w) => element("li", w)));
 
   // ---- theme
   let dark = matchMedia("(prefers-color-scheme: dark)").matches;
@@ -47,9 +58,10 @@
   script.textContent = new TextDecoder().decode(await inflated($("plotly").textContent));
   document.head.append(script);
   const config = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["sendDataToCloud", "toImage"] };
+  const kToolbar = 36; // the height that the toolbar takes above the chart, in pixels
   const layout = (more) => ({
     paper_bgcolor: css("back"), plot_bgcolor: css("back"), font: { color: css("text"), family: kFont, size: 13 },
-    margin: { l: 60, r: 20, t: 10, b: 45 }, legend: { orientation: "h", x: 0, y: 1.12 }, ...more,
+    margin: { l: 60, r: 20, t: kToolbar, b: 45 }, legend: { orientation: "h", x: 0, y: 1.12 }, ...more,
   });
   const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: css("line"), zerolinecolor: css("line"), automargin: true, ...more });
 
@@ -107,11 +119,11 @@
     const energy = figure($("charts"), "Energy over the sweeps, and flips",
       `From ${run.energy_before.toPrecision(6)} to ${run.energy_after.toPrecision(6)}.`);
     charts.push(() => Plotly.react(energy, [flip_bars(), line("energy", energies.map((_, i) => i), energies, "after")],
-      layout({ xaxis: axis("sweeps done"), yaxis: axis("energy"), yaxis2: second("flips"), margin: { l: 70, r: 60, t: 10, b: 45 } }), config));
+      layout({ xaxis: axis("sweeps done"), yaxis: axis("energy"), yaxis2: second("flips"), margin: { l: 70, r: 60, t: kToolbar, b: 45 } }), config));
     const gradient = figure($("charts"), "Norm of the gradient over the sweeps",
       run.sweeps.length ? `From ${run.sweeps[0].gradient_norm2.toPrecision(3)} to ${run.sweeps.at(-1).gradient_norm2.toPrecision(3)} (squared).` : "No sweeps.");
     charts.push(() => Plotly.react(gradient, [flip_bars(), line("gradient", sweeps, run.sweeps.map((s) => s.gradient_norm2), "before")],
-      layout({ xaxis: axis("sweep"), yaxis: axis("squared norm", { type: "log", exponentformat: "power" }), yaxis2: second("flips"), margin: { l: 70, r: 60, t: 10, b: 45 } }), config));
+      layout({ xaxis: axis("sweep"), yaxis: axis("squared norm", { type: "log", exponentformat: "power" }), yaxis2: second("flips"), margin: { l: 70, r: 60, t: kToolbar, b: 45 } }), config));
     const steps = [...run.sweeps.map((s) => [`sweep ${s.iteration}`, s.dihedral_min_deg]),
       ...run.worst_rounds.map((w, i) => [`round ${i + 1}`, w.dihedral_min_deg])].filter((s) => s[1] > 0);
     if (steps.length) {

@@ -55,7 +55,7 @@ const make_views = (canvases) => {
   const matrix = (aspect) => {
     const [c, s, d, e] = [Math.cos(camera.turn), Math.sin(camera.turn), Math.cos(camera.tilt), Math.sin(camera.tilt)];
     const rows = [[c, -s, 0], [e * s, e * c, d], [d * s, d * c, -e]]; // right, up, into the screen
-    const f = 2.2, near = 0.05, far = 20;
+    const f = 2.2 * Math.min(1, aspect), near = 0.05, far = 20; // a narrow canvas shows the whole scene, too
     const m = new Float32Array(16);
     for (let k = 0; k < 3; ++k) {
       m[4 * k] = f / aspect * rows[0][k];

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 
 #include "io/plugin/plugin_call.hpp"
 #include "io/plugin/plugin_protocol.hpp"
@@ -10,20 +12,45 @@
 #include "system/path.hpp"
 #include "system/write_all.hpp"
 #include "tetune/error.hpp"
+#include "tetune/io.hpp"
 
 namespace tetune {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the path of the program, or an empty one. The working folder and folders that the environment names are
-/// never searched.
-std::string find_program(const Plugin& plugin) {
+/// What add_plugin_folder() has added.
+struct AddedFolders {
+  std::mutex mutex;
+  std::vector<fs::path> folders;
+};
+
+AddedFolders& added_folders() {
+  static AddedFolders added;  // constructed where first used, which may be before main()
+  return added;
+}
+
+/// The folders that are searched for programs, in this order. The working folder and folders that the environment names
+/// are never among them.
+std::vector<fs::path> plugin_folders() {
   const fs::path own = own_folder();
-  for (const fs::path& folder : {own / "../libexec/tetune", own / "libexec/tetune", fs::path(TETUNE_PLUGIN_FOLDER)}) {
+  std::vector<fs::path> folders{own / "../libexec/tetune", own / "libexec/tetune"};
+  AddedFolders& added = added_folders();
+  {
+    const std::lock_guard lock(added.mutex);
+    folders.insert(folders.end(), added.folders.begin(), added.folders.end());
+  }
+  folders.emplace_back(TETUNE_PLUGIN_FOLDER);
+  std::erase_if(folders, [](const fs::path& folder) { return !folder.is_absolute(); });
+  return folders;
+}
+
+/// Returns the path of the program, or an empty one.
+std::string find_program(const Plugin& plugin) {
+  for (const fs::path& folder : plugin_folders()) {
     std::error_code ignored;
     const fs::path program = folder / plugin.program;
-    if (folder.is_absolute() && fs::is_regular_file(program, ignored)) return program.string();
+    if (fs::is_regular_file(program, ignored)) return program.string();
   }
   return {};
 }
@@ -136,9 +163,26 @@ void require_plugin(const Plugin& plugin, const std::string& path) {
                                          : ""));
   }
   if (has_plugin(plugin)) return;
+  std::string searched;
+  for (const fs::path& folder : plugin_folders()) {
+    const std::string name = folder.lexically_normal().string();
+    searched += (searched.empty() ? "" : ", ") + name;
+  }
   throw FileError(path + ": files with the extension \"" + path_of(path).extension().string() +
-                  "\" need tetune's plugin for " + plugin.library + ", which is not installed; install " +
-                  plugin.library + " with its headers and build tetune again");
+                  "\" need tetune's plugin for " + plugin.library + ": there is no " + plugin.program + " in " +
+                  searched + "; install " + plugin.library +
+                  " with its headers and build tetune again, or, in a program, name the folder that has it "
+                  "(add_plugin_folder())");
+}
+
+void add_plugin_folder(const std::string& folder) {
+  const fs::path path = path_of(folder);
+  if (!path.is_absolute()) throw OptionError("add_plugin_folder(): \"" + folder + "\" is not an absolute path");
+  AddedFolders& added = added_folders();
+  const std::lock_guard lock(added.mutex);
+  if (std::find(added.folders.begin(), added.folders.end(), path) == added.folders.end()) {
+    added.folders.push_back(path);
+  }
 }
 
 TetMesh read_by_plugin(const Plugin& plugin, const std::string& path, const IoContext& context, int time) {
