@@ -95,12 +95,14 @@ TEST(NewNeighborhoods, AreThoseOfTheVerticesOfNewTetrahedra) {
   EXPECT_TRUE(find().empty());
 }
 
-/// The phase runs after each step of a motion: its limit is on the vertices that it removes itself.
+/// The phases run after each step of a motion: the limit is on the vertices that they remove themselves.
 TEST(LowerMeanEnergy, VerticesThatWereRemovedBeforeDoNotCount) {
   const auto rounds = [](std::int64_t removed_before) {
     OptimizerOfMesh work(test::cube(4, 0.2));
+    work.report.vertices = work.set.mesh.vertices();
     work.report.vertices_removed = removed_before;
-    EXPECT_TRUE(lower_mean_energy(work.optimizer, QualityFloor::none()));
+    const MeanParameters& p = work.optimizer.tuning.mean;
+    EXPECT_TRUE(lower_mean_energy(work.optimizer, p, QualityFloor::none(), net_removed(work.report)));
     return work.report.worst_rounds.size();
   };
   EXPECT_GT(rounds(0), 0U);
