@@ -87,6 +87,12 @@ int convert(const CLI::App& c, const ConvertArguments& a) {
   const std::string& output = a.output.empty() ? a.replaced_output : a.output;
   if (output != kPipe) check_writable(output);
   refuse_replacing(output, a.input, {a.surface, a.geometry.file});
+  if (a.order == 2) {
+    if (output == kPipe) {
+      throw OptionError("--order 2: MEDIT, as the standard output has it, has no nodes in the middles of edges");
+    }
+    check_second_order(output);
+  }
   if (!a.surface.empty() && a.order != 2) throw OptionError("--surface is for --order 2 alone");
   if (!a.geometry.file.empty() && a.order != 2) throw OptionError("--geometry is for --order 2 alone");
   if (!a.geometry.file.empty() && !a.surface.empty()) throw OptionError("--surface and --geometry exclude each other");

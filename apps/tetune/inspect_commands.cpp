@@ -285,7 +285,8 @@ int compare_files(const InspectArguments& a) {
                                 {"after", side_json(a.files[1], after)},
                                 {"change", to_json(c)}}));
   } else {
-    fmt::print("{}{}{}{}{}{}", quality_table({"before", "after"}, {before.quality, after.quality}),
+    fmt::print("{}{}{}{}{}{}{}", quality_table({"before", "after"}, {before.quality, after.quality}),
+               curved_change(before.quality.curved, after.quality.curved),
                measure_table("measures before", before.quality), measure_table("measures after", after.quality),
                worst_table("worst before", before.quality), worst_table("worst after", after.quality),
                comparison_table(c));

@@ -197,6 +197,7 @@ class Run {
     };
     improve(context);
     warn_all(run_warnings(report_, a_.move ? a_.move->displacement : ""));
+    if (report_.unchanged.empty() && !criteria_.undone.empty()) warn(criteria_.undone);
   }
 
   /// The time at which to stop so that there is time to write. Called when the mesh is loaded: storing it takes part of
@@ -300,6 +301,7 @@ class Run {
   std::string summary(const std::optional<Comparison>& change) const {
     const char* reason = stopped() ? result_.summary : to_string(report_.stop);
     std::string text = quality_table({"before", "after"}, {result_.before, result_.after});
+    text += curved_change(result_.before.curved, result_.after.curved);
     text += active_line(report_, options_);
     if (has_worked()) text += count_line(report_, reason);
     if (a_.move) text += move_summary(motion_, input_.mesh);
@@ -310,7 +312,7 @@ class Run {
                           deviation_kept_ ? ", kept" : ", EXCEEDED");
     }
     for (const TargetReport& t : report_.targets) text += target_table(t);
-    if (a_.criteria) text += acceptance_table("acceptance", criteria_.after) + criteria_table(criteria_);
+    if (a_.criteria) text += change_table(criteria_) + criteria_table(criteria_);
     if (console_.verbosity() > 1) text += run_table(report_);
     text += fmt::format("  read {:.3f} s, {} {:.3f} s on {}{}, written {:.3f} s: {}\n", input_.seconds,
                         a_.move ? "moved" : "optimized", report_.seconds, report_.device,

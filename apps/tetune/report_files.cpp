@@ -263,6 +263,7 @@ Json to_json(const CriteriaReport& report) {
                               {"kept", r.kept},
                               {"seconds", r.seconds}});
   }
+  if (!report.undone.empty()) json["undone"] = report.undone;
   if (!report.no_rounds.empty()) json["no_rounds"] = report.no_rounds;
   json["limits"] = Json::array();
   for (const CriterionLimits& l : report.limits) {

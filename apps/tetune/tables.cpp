@@ -8,7 +8,6 @@
 #include <cmath>
 #include <map>
 
-#include "option_flags.hpp"
 #include "report_files.hpp"
 
 namespace tetune::cli {
@@ -29,12 +28,6 @@ std::string tag_counts(const std::vector<int>& tags) {
   return text;
 }
 
-/// Five significant digits; angles to a thousandth of a degree.
-std::string format_value(Measure measure, double value) {
-  const bool angle = measure == Measure::min_dihedral || measure == Measure::max_dihedral;
-  return angle ? fmt::format("{:.3f}", value) : fmt::format("{:.5g}", value);
-}
-
 std::string names_of(const std::vector<DataArray>& data) {
   std::string text;
   for (const DataArray& array : data) {
@@ -47,6 +40,11 @@ std::string names_of(const std::vector<DataArray>& data) {
 const char* yes(bool value) { return value ? "yes" : "NO"; }
 
 }  // namespace
+
+std::string format_value(Measure measure, double value) {
+  const bool angle = measure == Measure::min_dihedral || measure == Measure::max_dihedral;
+  return angle ? fmt::format("{:.3f}", value) : fmt::format("{:.5g}", value);
+}
 
 std::string mesh_summary(const TetMesh& mesh) {
   std::string text;
@@ -102,6 +100,16 @@ std::string curved_table(const CurvedQuality& q) {
         to_string(t.validity), t.scaled_jacobian(), t.corner_ratio, t.centroid[0], t.centroid[1], t.centroid[2]);
   }
   return text;
+}
+
+std::string curved_change(const CurvedQuality& before, const CurvedQuality& after) {
+  if (before.tets == 0 && after.tets == 0) return "";
+  const auto jacobian = [](const CurvedQuality& q) {
+    return q.tets == 0 ? "-" : fmt::format("{:.4g}", q.min_scaled_jacobian);
+  };
+  return fmt::format("  curved: {} of {} not proved valid -> {} of {}; smallest scaled Jacobian {} -> {}\n",
+                     before.tets - before.valid, before.tets, after.tets - after.valid, after.tets, jacobian(before),
+                     jacobian(after));
 }
 
 std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns) {
@@ -209,43 +217,6 @@ std::string comparison_table(const Comparison& c) {
   return text;
 }
 
-namespace {
-
-/// The constraint of an element, in words.
-std::string constraint_text(const MissedTet& m) {
-  if (m.held_by != LimitingConstraint::surface_angle) return to_string(m.held_by);
-  return fmt::format("surface: {:.3f} deg at edge {} {}", m.surface_angle, m.edge[0] + 1, m.edge[1] + 1);
-}
-
-/// One line per constraint that holds elements.
-std::string held_by_lines(const std::array<std::int64_t, kLimitingConstraints>& held_by) {
-  std::string text;
-  for (std::size_t k = 0; k < kLimitingConstraints; ++k) {
-    if (held_by[k] == 0) continue;
-    text += fmt::format("    {:>9} held by: {}\n", held_by[k], to_string(static_cast<LimitingConstraint>(k)));
-  }
-  return text;
-}
-
-}  // namespace
-
-std::string target_table(const TargetReport& r) {
-  const Measure measure = r.target.measure;
-  std::string text =
-      fmt::format("  target: {} {} {}: ", to_string(measure), larger_is_better(measure) ? ">=" : "<=", r.target.value);
-  if (r.met()) return text + "met by all\n";
-  text += fmt::format("NOT met by {} of {}\n", r.missed, r.tets);
-  text += held_by_lines(r.held_by);
-  constexpr std::size_t kShown = 10;
-  text += fmt::format("  {:<22}{:>12}    {:<36}centroid\n", "worst, counted from 1", to_string(measure), "held by");
-  for (std::size_t i = 0; i < std::min(kShown, r.worst.size()); ++i) {
-    const MissedTet& m = r.worst[i];
-    text += fmt::format("  {:<22}{:>12}    {:<36}{:.6g} {:.6g} {:.6g}\n", m.tet + 1, format_value(measure, m.value),
-                        constraint_text(m), m.centroid[0], m.centroid[1], m.centroid[2]);
-  }
-  return text;
-}
-
 std::string constraint_table(const Report& r) {
   std::string text;
   const auto line = [&text](const char* name, std::int64_t count) {
@@ -322,46 +293,6 @@ std::string count_line(const Report& r, const char* reason) {
         r.tets_untangled);
   }
   return text + straightened_text(r.straightened);
-}
-
-std::string acceptance_table(const std::string& title, const AcceptanceReport& report, const std::string& note) {
-  const auto limit = [](const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : "-"; };
-  std::string text = fmt::format("  {} by {}: {}{}\n", title, report.name, to_string(report.verdict), note);
-  text += fmt::format("  {:<22}{:>8}{:>14}{:>14}{:>14}{:>10}{:>10}{:>10}    {}\n", "criterion", "verdict", "worst",
-                      "warn", "fail", "warned", "failed", "allowed", "worst tetrahedron, from 1");
-  for (const CriterionResult& r : report.results) {
-    const AcceptanceCriterion& c = r.criterion;
-    const std::string place = r.worst_tet < 0 ? "-"
-                                              : fmt::format("{} at {:.6g} {:.6g} {:.6g}", r.worst_tet + 1,
-                                                            r.centroid[0], r.centroid[1], r.centroid[2]);
-    text += fmt::format("  {:<22}{:>8}{:>14.6g}{:>14}{:>14}{:>10}{:>10}{:>10}    {}\n", info_of(c.measure).name,
-                        to_string(r.verdict), r.worst, limit(c.warn), limit(c.fail), r.warned, r.failed,
-                        fmt::format("{:.4g} %", c.allowed_percent), place);
-  }
-  return text;
-}
-
-std::string criteria_table(const CriteriaReport& report) {
-  std::string text;
-  for (const CriteriaRound& r : report.rounds) {
-    text += fmt::format("  round on the elements that fail: {} rings, {} tetrahedra might change, {} -> {} fail{}\n",
-                        r.rings, r.active, r.failed_before, r.failed_after, r.kept ? "" : ", undone");
-  }
-  const bool fails = report.after.verdict == Verdict::fail;
-  if (fails && !report.no_rounds.empty()) {
-    text += fmt::format("  no rounds on what fails: {}\n", with_flags(report.no_rounds));
-  }
-  constexpr std::size_t kShown = 5;
-  for (const CriterionLimits& l : report.limits) {
-    text += fmt::format("  {} fails:\n", info_of(l.criterion.measure).name) + held_by_lines(l.held_by);
-    text += fmt::format("  {:<22}{:>12}    {:<36}centroid\n", "worst, counted from 1", "value", "held by");
-    for (std::size_t i = 0; i < std::min(kShown, l.worst.size()); ++i) {
-      const MissedTet& m = l.worst[i];
-      text += fmt::format("  {:<22}{:>12.6g}    {:<36}{:.6g} {:.6g} {:.6g}\n", m.tet + 1, m.value, constraint_text(m),
-                          m.centroid[0], m.centroid[1], m.centroid[2]);
-    }
-  }
-  return text;
 }
 
 std::string active_line(const Report& r, const Options& options) {

@@ -11,6 +11,9 @@ namespace tetune::cli {
 /// Numbers of elements of each kind, their tags, groups and data.
 std::string mesh_summary(const TetMesh& mesh);
 
+/// Five significant digits; angles to a thousandth of a degree.
+std::string format_value(Measure measure, double value);
+
 /// One column per mesh; `titles` and `columns` have the same length.
 std::string quality_table(const std::vector<std::string>& titles, const std::vector<Quality>& columns);
 
@@ -19,6 +22,9 @@ std::string measure_table(const std::string& title, const Quality& quality);
 
 /// Validity and measures of curved tetrahedra, and the worst ones; empty without any.
 std::string curved_table(const CurvedQuality& q);
+
+/// The curved tetrahedra that are not proved valid, and the smallest Jacobian, before and after; empty without any.
+std::string curved_change(const CurvedQuality& before, const CurvedQuality& after);
 
 /// The worst tetrahedra of the result of measure_all(), with their centroids.
 std::string worst_table(const std::string& title, const Quality& quality);
@@ -44,6 +50,9 @@ std::vector<std::string> constraint_notes(const Report& report);
 /// The verdict of each criterion. `title` says of which mesh: "acceptance", "acceptance before". `note` follows the
 /// verdict on the mesh.
 std::string acceptance_table(const std::string& title, const AcceptanceReport& report, const std::string& note = "");
+
+/// The verdict of each criterion before and after a run.
+std::string change_table(const CriteriaReport& report);
 
 /// The rounds on what fails, and the constraints that limit what still does; empty if there is neither.
 std::string criteria_table(const CriteriaReport& report);

@@ -59,6 +59,9 @@ TETUNE_API void check_place(const std::string& path);
 /// check_place(), and throws FileError if write_mesh() does not know the ending of `path`.
 TETUNE_API void check_writable(const std::string& path);
 
+/// Throws FileError where the format of `path` has no nodes in the middles of edges: write_mesh() drops them there.
+TETUNE_API void check_second_order(const std::string& path);
+
 /// The names of the files that write_mesh() writes for a name: several for TetGen, in which any of them names the mesh.
 TETUNE_API std::vector<std::string> files_of(const std::string& path);
 

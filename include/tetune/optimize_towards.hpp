@@ -11,11 +11,11 @@
 
 namespace tetune {
 
-/// One round on the tetrahedra that fail.
+/// One round on the tetrahedra that fail; on an input that only warns, on those that warn.
 struct CriteriaRound {
   int rings = 0;            ///< around those that fail, as Options::rings
   std::int64_t active = 0;  ///< number of tetrahedra that might change
-  /// Numbers of tetrahedra (or faces) that miss the limit of a criterion that fails.
+  /// Numbers of tetrahedra (or faces) that miss the limit of a criterion that fails, or warns.
   std::int64_t failed_before = 0, failed_after = 0;
   bool kept = false;  ///< whether the result was taken
   double seconds = 0;
@@ -33,7 +33,10 @@ struct CriterionLimits {
 struct CriteriaReport {
   Report optimization;  ///< of the whole run: its maps are from the result to the input
   AcceptanceReport before, after;
-  std::vector<CriteriaRound> rounds;
+  std::vector<CriteriaRound> rounds;  ///< on the input where `undone` says so, else on the result of optimize()
+  /// What criteria would lose by the optimization of the whole mesh, which was undone for that; else empty. It is among
+  /// Report::warnings.
+  std::string undone;
   std::string no_rounds;  ///< the reason why no rounds are made with these options; else empty
   /// One per criterion that fails on the result. Empty for curved meshes, with Options::only_below, and after a
   /// requested stop.
@@ -43,9 +46,13 @@ struct CriteriaReport {
 /// Optimizes a mesh as optimize() does; then, while a criterion fails, works in rounds on the tetrahedra that miss its
 /// limit and those around them, in a growing neighborhood, as Effort::best does (docs/quality.md, "Acceptance"). A
 /// round is kept if fewer criteria fail afterwards, or as many with fewer tetrahedra that miss a limit, and the worst
-/// value of none of these gets worse; else it is undone. Where the verdict would be worse than that of the input, or
-/// more criteria would fail, the mesh stays as it is, and Report::warnings says so. The smallest dihedral angle does
-/// not fall, and the smallest mean ratio not below what optimize() allows.
+/// value of none of these gets worse; else it is undone. The smallest dihedral angle does not fall, and the smallest
+/// mean ratio not below what optimize() allows.
+///
+/// Unless the verdict on the mesh is better than on the input, no criterion has a worse one than there or more failing
+/// elements, nor, where as many fail, do more warn in all: a result with such losses is undone. The rounds are then
+/// made on the input, on the tetrahedra that fail or, if no criterion fails, on those that warn, and kept without such
+/// losses; where none is, the mesh stays as it is (CriteriaReport::undone).
 ///
 /// The rounds insert and remove vertices only where optimize() does with these options, within Options::max_growth of
 /// the input; an inserted vertex may take the number of a removed one. With Boundary::slide they keep the surface as

@@ -33,6 +33,21 @@ enum class Defect {
 /// In words, for example "flat tetrahedra".
 TETUNE_API const char* to_string(Defect defect);
 
+/// An index outside a list.
+struct BadIndex {
+  std::int64_t index = 0;  ///< zero-based, as the limits
+  std::int64_t entries = 0;
+  std::string list;  ///< "vertices", "triangles", ...
+  /// Whether all indices of the array seem to start from 1: the largest is `entries`, and none is 0.
+  bool from_one = false;
+};
+
+/// A vertex and its coordinate of the largest size.
+struct LargestCoordinate {
+  Index vertex = 0;
+  double value = 0;
+};
+
 /// One kind of defect, with the number of offenders and the first of them.
 struct Finding {
   Defect defect;
@@ -46,6 +61,9 @@ struct Finding {
   std::optional<Point3> place = std::nullopt;
   /// Of an array of the wrong length, whose length is `count`: the right one, or -1 if none is.
   std::int64_t expected = 0;
+  std::optional<BadIndex> bad_index = std::nullopt;  ///< the first one
+  /// Of tetrahedra that are too small for it (tiny_tet).
+  std::optional<LargestCoordinate> largest = std::nullopt;
 };
 
 struct TETUNE_API ValidationReport {

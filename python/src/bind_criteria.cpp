@@ -106,7 +106,7 @@ void bind_rounds(nb::module_& m) {
       .def_ro("rings", &CriteriaRound::rings, "Around those that fail.")
       .def_ro("active", &CriteriaRound::active, "Number of tetrahedra that might change.")
       .def_ro("failed_before", &CriteriaRound::failed_before,
-              "Number of tetrahedra, or faces, that miss the limit of a criterion that fails.")
+              "Number of tetrahedra, or faces, that miss the limit of a criterion that fails, or warns.")
       .def_ro("failed_after", &CriteriaRound::failed_after)
       .def_ro("kept", &CriteriaRound::kept, "Whether the result was taken.")
       .def_ro("seconds", &CriteriaRound::seconds);
@@ -123,6 +123,10 @@ void bind_rounds(nb::module_& m) {
       .def_ro("before", &CriteriaReport::before, "The verdict on the input.")
       .def_ro("after", &CriteriaReport::after, "The verdict on the result.")
       .def_ro("rounds", &CriteriaReport::rounds)
+      .def_ro(
+          "undone", &CriteriaReport::undone,
+          "What criteria would lose by the optimization of the whole mesh, which was undone for that: rounds are on "
+          "the input then; else empty.")
       .def_ro("no_rounds", &CriteriaReport::no_rounds,
               "The reason why no rounds are made with these options; else empty.")
       .def_ro("limits", &CriteriaReport::limits,

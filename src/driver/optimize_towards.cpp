@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "driver/criteria_losses.hpp"
 #include "driver/curved/curved_constraints.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/parts/optimize_active.hpp"
@@ -32,8 +33,9 @@ constexpr int kMaxTargetRounds = 4;
 constexpr std::ptrdiff_t kLarge = 50'000;
 /// The relative error of a smallest mean ratio.
 constexpr double kRounding = 1e-9;
-/// The part of the progress that the first run is.
+/// The parts of the progress that the first run is, and the rounds on its result or those on the input.
 constexpr double kFirstRun = 0.75;
+constexpr double kRounds = (1 - kFirstRun) / 2;
 
 std::string reason_for_no_rounds(const TetMesh& mesh, const Options& options) {
   if (!mesh.curved_edges.empty()) return "the mesh has curved edges";
@@ -44,35 +46,31 @@ std::string reason_for_no_rounds(const TetMesh& mesh, const Options& options) {
   return "";
 }
 
-/// The quantities that rounds lower: the number of criteria that fail, then that of the tetrahedra that miss their
+/// The quantities that rounds lower: the number of criteria with a verdict, then that of the tetrahedra that miss their
 /// limits.
-struct Failures {
+struct Misses {
   std::int64_t criteria = 0, tets = 0;
-  auto operator<=>(const Failures&) const = default;
+  auto operator<=>(const Misses&) const = default;
 };
 
-Failures failures_of(const AcceptanceReport& report) {
-  Failures failures;
+/// Of criteria that fail, or, with Verdict::warn, of those that warn or fail.
+Misses misses_of(const AcceptanceReport& report, Verdict level) {
+  Misses misses;
   for (const CriterionResult& r : report.results) {
-    if (r.verdict != Verdict::fail) continue;
-    ++failures.criteria;
-    failures.tets += r.failed;
+    if (r.verdict < level) continue;
+    ++misses.criteria;
+    misses.tets += r.failed + (level == Verdict::warn ? r.warned : 0);
   }
-  return failures;
+  return misses;
 }
 
-/// Whether the verdict is worse afterwards, or more criteria fail.
-bool is_worse(const AcceptanceReport& before, const AcceptanceReport& after) {
-  return after.verdict > before.verdict || failures_of(after).criteria > failures_of(before).criteria;
-}
-
-/// Whether the worst value of a criterion that fails after a round is worse than before.
-bool worsens(const AcceptanceReport& before, const AcceptanceReport& after) {
+/// Whether the worst value of a criterion with a verdict of `level` after a round is worse than before.
+bool worsens(const AcceptanceReport& before, const AcceptanceReport& after, Verdict level) {
   for (std::size_t i = 0; i < after.results.size(); ++i) {
     const CriterionResult& r = after.results[i];
     const bool larger = info_of(r.criterion.measure).larger_is_better;
     const double old = before.results[i].worst;
-    if (r.verdict == Verdict::fail && (larger ? !(r.worst >= old) : !(r.worst <= old))) return true;
+    if (r.verdict >= level && (larger ? !(r.worst >= old) : !(r.worst <= old))) return true;
   }
   return false;
 }
@@ -101,14 +99,15 @@ class CriteriaRun {
     report_.after = check(mesh, criteria_, options_.threads);
     const auto start = PhaseTimer::SteadyClock::now();
     const double known = seconds_of_phases(report_.optimization);
+    max_tets_ = options_.max_growth * double(input.tets.size());
     if (report_.no_rounds.empty() && report_.after.verdict == Verdict::fail) {
-      max_tets_ = options_.max_growth * double(input.tets.size());
-      least_mean_ratio_ = std::min(
-          tuning_of(options_.effort).angles.mean_ratio_fraction * quality(input, options_.threads).mean_ratio_min,
-          quality(mesh, options_.threads).mean_ratio_min);
+      find_least_mean_ratio(input, mesh);
       make_rounds(mesh);
     }
-    if (is_worse(report_.before, report_.after) && was_valid(input)) keep_input(input, mesh);
+    if (const std::string losses = losses_in(report_.before, report_.after); !losses.empty() && was_valid(input)) {
+      keep_input(input, mesh, losses);
+      if (report_.no_rounds.empty()) work_on_input(mesh, losses);
+    }
     if (may_limit) find_limits(mesh);
     const double of_rounds = seconds_of_phases(report_.optimization) - known;
     add_seconds(report_.optimization, "criteria", PhaseTimer::seconds_since(start) - of_rounds);
@@ -128,15 +127,43 @@ class CriteriaRun {
            (report_.optimization.tets_untangled == 0 && measure_curved(input, options_.threads).all_valid());
   }
 
-  /// Undoes the run where the objective lowers measures of criteria that the input meets.
-  void keep_input(const TetMesh& input, TetMesh& mesh) {
+  void find_least_mean_ratio(const TetMesh& input, const TetMesh& mesh) {
+    const double fraction = tuning_of(options_.effort).angles.mean_ratio_fraction;
+    least_mean_ratio_ = std::min(fraction * quality(input, options_.threads).mean_ratio_min,
+                                 quality(mesh, options_.threads).mean_ratio_min);
+  }
+
+  /// Undoes the run where the objective lowers measures of criteria, with what these would lose.
+  void keep_input(const TetMesh& input, TetMesh& mesh, const std::string& losses) {
     mesh = input;
-    discard_result(mesh, options_, "the mesh is as before: fewer of the criteria would be met afterwards",
+    discard_result(mesh, options_, "the mesh is as before: criteria would be met less well afterwards (" + losses + ")",
                    report_.optimization);
+    report_.undone = report_.optimization.unchanged;
     if (!mesh.curved_edges.empty()) report_.optimization.targets = report_curved_targets(mesh, options_, {});
     report_.rounds.clear();
     report_.after = report_.before;
     is_input_kept_ = true;
+  }
+
+  /// Makes rounds on the input, whose optimization as a whole was undone: where nothing fails, on what warns.
+  void work_on_input(TetMesh& mesh, const std::string& losses) {
+    if (report_.after.verdict == Verdict::pass) return;
+    level_ = report_.after.verdict;
+    progress_ += kRounds;
+    find_least_mean_ratio(mesh, mesh);
+    make_rounds(mesh);
+    if (!has_kept_round()) return;
+    Report& done = report_.optimization;
+    report_.undone =
+        "only tetrahedra that miss a limit, and those around them, were changed: optimized as a whole, the "
+        "mesh would meet criteria less well than before (" +
+        losses + ")";
+    done.unchanged.clear();
+    done.warnings.back() = report_.undone;
+  }
+
+  bool has_kept_round() const {
+    return std::any_of(report_.rounds.begin(), report_.rounds.end(), [](const CriteriaRound& r) { return r.kept; });
   }
 
   /// The caller's options for the vertices of a mesh between.
@@ -161,15 +188,17 @@ class CriteriaRun {
   std::vector<std::uint8_t> failing_tets(const TetMesh& mesh) const {
     std::vector<std::uint8_t> flags(mesh.tets.size(), 0);
     for (const CriterionResult& r : report_.after.results) {
-      if (r.verdict != Verdict::fail) continue;
-      for (const FailedTet& f : find_failed(mesh, r.criterion, options_.threads)) span_of(flags)[f.tet] = 1;
+      if (r.verdict < level_) continue;
+      AcceptanceCriterion limit = r.criterion;
+      if (level_ == Verdict::warn && limit.warn) limit.fail = limit.warn;
+      for (const FailedTet& f : find_failed(mesh, limit, options_.threads)) span_of(flags)[f.tet] = 1;
     }
     return flags;
   }
 
   void make_rounds(TetMesh& mesh) {
     std::int64_t undone = 0;  // size of the part of the last round, if it was undone
-    for (int i = 0; i < kMaxTargetRounds && report_.after.verdict == Verdict::fail && !is_stopped(); ++i) {
+    for (int i = 0; i < kMaxTargetRounds && report_.after.verdict >= level_ && !is_stopped(); ++i) {
       const CriteriaRound round = make_round(mesh, i);
       report_.rounds.push_back(round);
       // With a part that more rings do not enlarge, the next round is the same.
@@ -186,13 +215,12 @@ class CriteriaRun {
 
   CriteriaRound make_round(TetMesh& mesh, int i) {
     const auto start = PhaseTimer::SteadyClock::now();
-    const Failures before = failures_of(report_.after);
+    const Misses before = misses_of(report_.after, level_);
     CriteriaRound round;
     round.rings = Options().rings + i;
     round.failed_before = round.failed_after = before.tets;
     TetMesh changed = mesh;
-    const Context context =
-        context_for(kFirstRun + (1 - kFirstRun) * i / kMaxTargetRounds, (1 - kFirstRun) / kMaxTargetRounds);
+    const Context context = context_for(progress_ + kRounds * i / kMaxTargetRounds, kRounds / kMaxTargetRounds);
     Report report;
     try {
       report = optimize_tets(changed, {failing_tets(mesh), round.rings}, round_options(mesh), context);
@@ -201,11 +229,12 @@ class CriteriaRun {
     }
     round.active = report.tets_active;
     AcceptanceReport accepted = check(changed, criteria_, options_.threads);
-    const Failures after = failures_of(accepted);
+    const Misses after = misses_of(accepted, level_);
     round.failed_after = after.tets;
     const std::size_t max_tets = std::max(mesh.tets.size(), std::size_t(max_tets_));
     // Each round has a quality floor of its own, which leaves room below its smallest mean ratio.
-    round.kept = after < before && !worsens(report_.after, accepted) && changed.tets.size() <= max_tets &&
+    round.kept = after < before && !worsens(report_.after, accepted, level_) && changed.tets.size() <= max_tets &&
+                 (!is_input_kept_ || losses_in(report_.before, accepted).empty()) &&
                  quality(changed, options_.threads).mean_ratio_min >= (1 - kRounding) * least_mean_ratio_;
     if (round.kept) {
       mesh = std::move(changed);
@@ -219,9 +248,7 @@ class CriteriaRun {
   /// Judges Options::targets after the rounds, and finds the constraints of the elements that fail, unless the caller
   /// has requested a stop.
   void find_limits(const TetMesh& mesh) {
-    const bool has_changed =
-        std::any_of(report_.rounds.begin(), report_.rounds.end(), [](const CriteriaRound& r) { return r.kept; });
-    const bool retargets = (has_changed || is_input_kept_) && !options_.targets.empty();
+    const bool retargets = (has_kept_round() || is_input_kept_) && !options_.targets.empty();
     const bool limits = report_.after.verdict == Verdict::fail && !is_stopped();
     if (!limits && !retargets) return;
     const Options options = current_options();
@@ -259,6 +286,8 @@ class CriteriaRun {
   const Options& options_;
   const LatchedHooks hooks_;
   CriteriaReport report_;
+  Verdict level_ = Verdict::fail;  ///< of the criteria that rounds work on
+  double progress_ = kFirstRun;    ///< before the rounds
   double max_tets_ = 0;
   double least_mean_ratio_ = 0;  ///< of the result
   bool is_input_kept_ = false;

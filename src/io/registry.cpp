@@ -276,6 +276,20 @@ void check_writable(const std::string& path) {
     require_format(*format.plugin, path);
 }
 
+void check_second_order(const std::string& path) {
+  const auto holds = [](const Format& f) {
+    const auto first_order = {write_tetgen, write_file<write_medit_text>, write_file<write_medit_binary>,
+                              write_file<write_su2>};
+    return std::find(first_order.begin(), first_order.end(), f.write) == first_order.end();
+  };
+  if (holds(format_of(path, Access::write))) return;
+  std::string others;
+  for (const Format& format : formats()) {
+    if (format.writes() && holds(format)) others += " " + format.endings.front();
+  }
+  throw FileError(path + ": the format has no nodes in the middles of edges; write one of" + others);
+}
+
 void write_mesh(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
   const Format& format = format_of(path, Access::write);
   check_writable(path);

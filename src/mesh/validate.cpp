@@ -9,6 +9,7 @@
 #include "backend/cpu.hpp"
 #include "mesh/connect.hpp"
 #include "mesh/element_kinds.hpp"
+#include "mesh/finding_texts.hpp"
 #include "mesh/messages.hpp"
 #include "mesh/sorted.hpp"
 #include "mesh/tet_mesh_view.hpp"
@@ -28,6 +29,7 @@ class FindingCollector {
     ++finding_.count;
     if (finding_.first.size() < kShownIds) finding_.first.push_back(static_cast<Index>(id));
   }
+  void set_bad_index(BadIndex bad) { finding_.bad_index = std::move(bad); }
   /// Appends the finding to the report if there is any element.
   void finish(ValidationReport& report) const {
     if (finding_.count > 0) report.findings.push_back(finding_);
@@ -44,11 +46,25 @@ bool all_below(Span<const Index> ids, Size size) {
   return ids.size() == 0 || max_id < size;
 }
 
-/// Checks the indices of elements with `per_element` indices each.
-void check_indices(Span<const Index> ids, Size size, Size per_element, const std::string& where,
-                   ValidationReport& report) {
+/// Describes the first index out of range; requires one.
+BadIndex find_bad_index(Span<const Index> ids, Size size, const std::string& list) {
+  BadIndex bad{0, size, list};
+  Index least = ids[0], most = ids[0];
+  for (Size i = ids.size() - 1; i >= 0; --i) {
+    least = std::min(least, ids[i]);
+    most = std::max(most, ids[i]);
+    if (ids[i] < 0 || ids[i] >= size) bad.index = ids[i];
+  }
+  bad.from_one = least >= 1 && most == size;
+  return bad;
+}
+
+/// Checks the indices of elements with `per_element` indices each, of entries of a list of this size.
+void check_indices(Span<const Index> ids, Size size, const std::string& list, Size per_element,
+                   const std::string& where, ValidationReport& report) {
   if (all_below(ids, size)) return;
   FindingCollector out_of_range(Defect::index_out_of_range, where);
+  out_of_range.set_bad_index(find_bad_index(ids, size, list));
   Size last = -1;
   for (Size i = 0; i < ids.size(); ++i) {
     if (ids[i] >= 0 && ids[i] < size) continue;
@@ -63,7 +79,7 @@ template <std::size_t N>
 void check_elements(const std::vector<std::array<Index, N>>& elements, Size vertices, const std::string& where,
                     ValidationReport& report) {
   if (elements.empty()) return;
-  check_indices({elements.front().data(), Size{N} * std::ssize(elements)}, vertices, N, where, report);
+  check_indices({elements.front().data(), Size{N} * std::ssize(elements)}, vertices, "vertices", N, where, report);
 }
 
 /// `expected` is negative where no length would be right.
@@ -92,8 +108,8 @@ void check_block(const ElementBlock& block, Size vertices, ValidationReport& rep
   check_length(Size{block.vertices_per_element}, kind == nullptr ? per_element : Size{kind->vertices},
                "vertices of " + block.kind, report);
   check_length(elements * per_element, std::ssize(block.element2vertex), block.kind, report);
-  check_indices(span_of(block.element2vertex), vertices, per_element, block.kind, report);
-  check_indices(span_of(block.required), elements, 1, "required " + block.kind, report);
+  check_indices(span_of(block.element2vertex), vertices, "vertices", per_element, block.kind, report);
+  check_indices(span_of(block.required), elements, block.kind, 1, "required " + block.kind, report);
   check_data(block.data, elements, block.kind, report);
 }
 
@@ -143,7 +159,11 @@ void check_curved_edges(const TetMesh& mesh, ValidationReport& report) {
   bool is_sorted = true;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const auto& [vertices, middle] = list[i];
-    if (vertices[0] < 0 || vertices[1] >= std::ssize(mesh.points)) out_of_range.add(Size(i));
+    const Size points = std::ssize(mesh.points);
+    if (vertices[0] < 0 || vertices[1] >= points) {
+      out_of_range.set_bad_index({vertices[0] < 0 ? vertices[0] : vertices[1], points, "vertices"});
+      out_of_range.add(Size(i));
+    }
     if (!std::all_of(middle.begin(), middle.end(), [](double x) { return std::isfinite(x); })) not_finite.add(Size(i));
     if (vertices[0] < vertices[1] && (i == 0 || list[i - 1].vertices < vertices)) continue;
     bad.add(Size(i));
@@ -235,6 +255,17 @@ void find_bad_faces(const TetMesh& mesh, int threads, ValidationReport& report) 
   add_tets(misoriented, Defect::same_side_of_face, report);
 }
 
+/// The coordinate of the largest size; requires vertices.
+LargestCoordinate largest_coordinate(const TetMesh& mesh) {
+  LargestCoordinate largest;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    for (const double x : mesh.points[v]) {
+      if (std::fabs(x) > std::fabs(largest.value)) largest = {Index(v), x};
+    }
+  }
+  return largest;
+}
+
 /// A finding without ids: "3 of the tetrahedra are flat (zero volume)".
 std::string sentence(const Finding& f) {
   if (f.defect == Defect::bad_array_length) {
@@ -279,11 +310,13 @@ std::string ValidationReport::message(bool one_based, const std::string& advice)
   bool can_be_untangled = true;
   for (const Finding& f : findings) {
     text += "\n  " + sentence(f) + first_ids(f.first, one_based);
+    if (f.bad_index) text += text_of(*f.bad_index, one_based);
     if (f.place) text += ", the first " + place_text(*f.place);
+    if (f.largest) text += text_of(*f.largest, one_based);
     can_be_untangled = can_be_untangled && (f.defect == Defect::inverted_tet || f.defect == Defect::flat_tet);
   }
   return text + (can_be_untangled ? "\n  " + advice + ", or repair the mesh in the program that made it."
-                                  : "\n  repair or remove these in the program that made the mesh.");
+                                  : std::string("\n  ") + advice_on(findings));
 }
 
 ValidationReport validate_counts(const ArrayCounts& counts) {
@@ -316,12 +349,12 @@ ValidationReport validate_indices(const TetMesh& mesh) {
   check_elements(mesh.tets, vertices, "tetrahedra", report);
   check_elements(mesh.triangles, vertices, "triangles", report);
   check_elements(mesh.edges, vertices, "edges", report);
-  check_indices(span_of(mesh.corners), vertices, 1, "corners", report);
-  check_indices(span_of(mesh.required_vertices), vertices, 1, "required vertices", report);
-  check_indices(span_of(mesh.ridges), edges, 1, "ridges", report);
-  check_indices(span_of(mesh.required_edges), edges, 1, "required edges", report);
-  check_indices(span_of(mesh.required_triangles), triangles, 1, "required triangles", report);
-  check_indices(span_of(mesh.required_tets), tets, 1, "required tetrahedra", report);
+  check_indices(span_of(mesh.corners), vertices, "vertices", 1, "corners", report);
+  check_indices(span_of(mesh.required_vertices), vertices, "vertices", 1, "required vertices", report);
+  check_indices(span_of(mesh.ridges), edges, "edges", 1, "ridges", report);
+  check_indices(span_of(mesh.required_edges), edges, "edges", 1, "required edges", report);
+  check_indices(span_of(mesh.required_triangles), triangles, "triangles", 1, "required triangles", report);
+  check_indices(span_of(mesh.required_tets), tets, "tetrahedra", 1, "required tetrahedra", report);
   for (const PeriodicLink& link : mesh.periodic) check_elements(link.pairs, vertices, "periodic pairs", report);
   for (const ElementBlock& block : mesh.others) check_block(block, vertices, report);
   check_data(mesh.point_data, vertices, "vertices", report);
@@ -349,7 +382,10 @@ ValidationReport validate(const TetMesh& mesh, int threads) {
   const backend::Cpu cpu(threads);
   WorkMesh<backend::Cpu> work = upload_mesh(cpu, mesh);
   if (!build_adjacency(cpu, work).ok()) find_bad_faces(mesh, threads, report);
-  for (Finding& f : report.findings) f.place = TetMeshView(mesh).centroid(f.first[0]);
+  for (Finding& f : report.findings) {
+    f.place = TetMeshView(mesh).centroid(f.first[0]);
+    if (f.defect == Defect::tiny_tet) f.largest = largest_coordinate(mesh);
+  }
   return report;
 }
 

@@ -143,6 +143,10 @@ class Convert(CliTest):
         self.assertTrue(curved["curved_edges"] >= 3 * 16 and curved["valid"] == curved["tetrahedra"] > 0)
         self.refused("convert", self.path("curved.msh"), self.path("b.msh"), "--order", "2",
                      said=["tetune: " + self.path("curved.msh"), "curved edges already; make it straight first (--order 1)"])
+        for name in ("b.mesh", "b.ele", "b.su2"):
+            self.refused("convert", source, self.path(name), "--order", "2", "--quiet",
+                         said=[name + ": the format has no nodes in the middles of edges; write one of .vtu", ".msh", ".bdf"])
+        self.refused("convert", source, "-", "--order", "2", said=["--order 2", "standard output"])
         self.run_cli("convert", self.path("curved.msh"), self.path("linear.mesh"), "--order", "1")
         self.assertEqual(Mesh.read(self.path("linear.mesh")).points, Mesh.read(source).points)
         self.refused("convert", source, self.path("b.msh"), "--order", "3", said=["--order"])

@@ -57,7 +57,9 @@ class Criteria(CliTest):
         self.assertEqual((ratio["verdict"], ratio["failed"], ratio["source"]), ("warn", 0, "mine.toml"))
         done = self.run_here("optimize", "in.mesh", "-o", "out.mesh", "--criteria", "mine.toml", "--report", "r.json",
                              code=1)
-        self.assertIn("acceptance by mine.toml: fail", done.stdout)
+        self.assertIn("acceptance by mine.toml: fail, before fail\n", done.stdout)
+        self.assertRegex(done.stdout, r"(?m)^  edge_ratio +fail -> fail +[0-9.]+ -> [0-9.]+ +- +1.01 +0 -> 0 +162 -> 162 ")
+        self.assertRegex(done.stdout, r"(?m)^  mean_ratio +warn -> warn ")
         both = json.loads(self.read_bytes("r.json"))["acceptance"]
         self.assertEqual((both["before"]["verdict"], both["after"]["verdict"]), ("fail", "fail"))
         self.assertIn("round on the elements that fail: 2 rings", done.stdout)
@@ -83,6 +85,25 @@ class Criteria(CliTest):
                          ("fail", "pass"))
         self.put("mine.toml", f"[mean_ratio]\nfail = {limit}\nallowed_percent = 99\n")
         self.assertIn("mine.toml: warn", self.run_here("info", "--check", "in.mesh", "--criteria", "mine.toml").stdout)
+
+    def test_what_a_criterion_would_lose_is_undone(self):
+        self.needs_files()
+        mesh = cube(4)
+        mesh.points = [(x, y, 0.02 * z) for x, y, z in mesh.points]
+        self.put("thin.mesh", mesh)
+        for limits, loss in (("fail = 0.005", "pass -> fail, 0 -> "), ("warn = 0.02\nfail = 0.005", "warn -> fail, 0 -> ")):
+            self.put("mine.toml", f"[scaled_jacobian]\n{limits}\n")
+            done = self.run_here("optimize", "thin.mesh", "-o", "out.mesh", "--criteria", "mine.toml", "--report", "r.json")
+            acceptance = json.loads(self.read_bytes("r.json"))["acceptance"]
+            self.assertIn("(scaled_jacobian: " + loss, acceptance["undone"])
+            self.assertIn("tetune: warning: " + acceptance["undone"], done.stderr)
+            before, after = (acceptance[key]["results"][0] for key in ("before", "after"))
+            self.assertLessEqual(after["failed"], before["failed"])
+            self.assertLessEqual(after["warned"], before["warned"])
+            self.assertGreaterEqual(after["worst"], before["worst"])
+            for r in acceptance["rounds"]:
+                self.assertEqual(r["failed_before"], before["warned"])
+                self.assertIn(f"round on the elements that warn: {r['rings']} rings", done.stdout)
 
     def test_errors_name_file_line_and_the_nearest_name(self):
         self.needs_files()

@@ -258,6 +258,10 @@ class Curved(CliTest):
         self.assertTrue(text.endswith("; calculix: pass " + note), text)
         self.assertEqual(len(text.splitlines()), 1)
         text = run("compare", "good.msh", "bad.msh", "--criteria", "calculix")
+        self.assertRegex(text, rf"(?m)^  curved: 0 of \d+ not proved valid -> {invalid} of \d+; smallest scaled Jacobian [0-9.]+ -> \S+$")
+        text = self.run_cli("optimize", "bad.msh", "-o", "repaired.msh", "--untangle", cwd=self.folder).stdout
+        self.assertRegex(text, rf"(?m)^  curved: {invalid} of \d+ not proved valid -> 0 of \d+; smallest scaled Jacobian \S+ -> 0\.\d+$")
+        text = run("compare", "good.msh", "bad.msh", "--criteria", "calculix")
         self.assertIn("acceptance before by calculix: pass\n", text)
         self.assertIn("acceptance after by calculix: pass " + note, text)
         self.assertTrue(text.splitlines()[-1].startswith("  bad.msh: " + reason), text)

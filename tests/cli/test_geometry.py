@@ -183,6 +183,8 @@ class Geometry(CliTest):
             curved = json.loads(self.run_cli("info", output, "--json").stdout)["quality"]["curved"]
             self.assertEqual(curved["valid"], curved["tetrahedra"])
             self.assertGreater(curved["tetrahedra"], 100)
+            self.refused("optimize", output, "-o", self.path("slid.msh"), "--boundary", "slide", "--geometry",
+                         self.part(f"{part}.step"), said=["order 1 first (tetune convert IN OUT --order 1)"])
             lines = Path(output).read_text().splitlines()
             at = lines.index("$Nodes") + 1
             rows = [line.split() for line in lines[at + 1:at + 1 + int(lines[at])]]

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import unittest
+from pathlib import Path
 
 import cli_case
 from cli_case import CliTest, Mesh, cube, tangled
@@ -160,7 +161,20 @@ class Refusals(CliTest):
     def test_index_out_of_range(self):
         mesh = cube(2)
         mesh.tets[6] = (0, 1, 2, 1000)
-        self.optimize_refused(self.put("in.mesh", mesh), said=["1 of the tetrahedra has an index out of range (first, counted from 1: 7)"])
+        self.optimize_refused(self.put("in.mesh", mesh), said=["1 of the tetrahedra has an index out of range (first, counted from 1: 7): index 1001, but there are 27 vertices (1 to 27)"])
+
+    def test_a_cut_binary_mesh(self):
+        self.put("in.mesh", cube(2))
+        self.run_cli("convert", self.path("in.mesh"), self.path("whole.meshb"))
+        whole = self.read_bytes("whole.meshb")
+        Path(self.path("cut.meshb")).write_bytes(whole[:len(whole) // 2])
+        self.refused("info", self.path("cut.meshb"), said=["cut.meshb", "outside the file, which may be cut off"])
+
+    def test_a_coordinate_that_is_far_too_large(self):
+        mesh = cube(2)
+        mesh.points[4] = (1e200, *mesh.points[4][1:])
+        self.refused("optimize", self.put("in.mesh", mesh), "-o", self.path("out.mesh"),
+                     said=["too small for arithmetic", "; the largest coordinate is 1e+200, of vertex 5, which may be wrong"])
 
     def test_no_tetrahedra(self):
         self.optimize_refused(self.put("in.mesh", Mesh([(0, 0, 0)], [])), said=["no tetrahedron"])

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "driver/criteria_losses.hpp"
 #include "support/curved.hpp"
 #include "support/meshes.hpp"
 #include "tetune/curved.hpp"
@@ -65,6 +66,7 @@ TEST(OptimizeTowards, AMeshThatPassesIsNotMadeToFail) {
   options.device = Device::automatic;
   const CriteriaReport report = optimize_towards(mesh, criteria, options);
   EXPECT_NE(report.optimization.unchanged, "");
+  EXPECT_EQ(report.undone, report.optimization.unchanged);
   EXPECT_EQ(report.optimization.warnings, std::vector{report.optimization.unchanged});
   EXPECT_EQ(report.after.verdict, Verdict::pass);
   EXPECT_EQ(mesh.points, before.points);
@@ -111,6 +113,60 @@ TetMesh layer_and_star(const Point3& apex) {
     mesh.tets.push_back({first + t[0], first + t[1], first + t[2], first + t[3]});
   }
   return test::with_tags(std::move(mesh));
+}
+
+/// A thin layer that the energy makes miss the limit, and beside it a cube with a flattened tetrahedron, which misses
+/// it.
+TEST(OptimizeTowards, WhereTheWholeGetsWorseOnlyWhatFailsIsOptimized) {
+  TetMesh mesh = test::cube(6, 0.2);
+  for (Point3& p : mesh.points) p[2] *= 0.02;
+  double least = 1;
+  for (const Measures& m : measure_each(mesh)) least = std::min(least, m[std::size_t(Measure::scaled_jacobian)]);
+  const AcceptanceCriteria criteria = one(CheckMeasure::scaled_jacobian, 0.999 * least);
+  const std::vector<Point3> layer = mesh.points;
+  TetMesh block = test::cube(4);
+  Point3& inner = block.points[2 + 5 * (2 + 5 * 2)];
+  inner[2] += 0.999 * 0.25;  // it is near its neighbor
+  ASSERT_TRUE(validate(block).ok());
+  const Index first = Index(mesh.points.size());
+  for (const Point3& p : block.points) mesh.points.push_back({p[0] + 2, p[1], p[2]});
+  for (const auto& t : block.tets) mesh.tets.push_back({first + t[0], first + t[1], first + t[2], first + t[3]});
+  mesh = test::with_tags(std::move(mesh));
+  const CriteriaReport report = optimize_towards(mesh, criteria);
+  EXPECT_EQ(report.before.verdict, Verdict::fail);
+  EXPECT_EQ(report.after.verdict, Verdict::pass);
+  EXPECT_NE(report.undone, "");
+  EXPECT_EQ(report.optimization.unchanged, "");
+  EXPECT_EQ(report.optimization.warnings, std::vector{report.undone});
+  EXPECT_EQ(check(mesh, criteria).verdict, Verdict::pass);
+  EXPECT_TRUE(validate(mesh).ok());
+  EXPECT_TRUE(std::equal(layer.begin(), layer.end(), mesh.points.begin()));
+  ASSERT_FALSE(report.rounds.empty());
+  EXPECT_TRUE(report.rounds.back().kept);
+  EXPECT_EQ(report.optimization.tet2original.size(), mesh.tets.size());
+}
+
+TEST(OptimizeTowards, LossesAreVerdictsThenFailingThenWarningElements) {
+  using enum Verdict;
+  const auto result = [](Verdict verdict, std::int64_t failed, std::int64_t warned) {
+    CriterionResult r{{CheckMeasure::edge_ratio, 1, 2}, verdict};
+    r.failed = failed;
+    r.warned = warned;
+    return r;
+  };
+  const auto report = [](CriterionResult a, CriterionResult b) {
+    return AcceptanceReport{"test", std::max(a.verdict, b.verdict), {a, b}};
+  };
+  const AcceptanceReport before = report(result(warn, 0, 5), result(fail, 3, 7));
+  EXPECT_EQ(losses_in(before, before), "");
+  EXPECT_EQ(losses_in(before, report(result(warn, 0, 6), result(fail, 2, 9))), "");
+  EXPECT_EQ(losses_in(before, report(result(warn, 1, 0), result(fail, 2, 0))), "edge_ratio: 0 -> 1 fail");
+  EXPECT_EQ(losses_in(before, report(result(fail, 9, 0), result(fail, 4, 0))),
+            "edge_ratio: warn -> fail, 0 -> 9 fail; edge_ratio: 3 -> 4 fail");
+  EXPECT_EQ(losses_in(before, report(result(warn, 0, 4), result(fail, 3, 9))), "12 -> 13 warn");
+  EXPECT_EQ(losses_in(before, report(result(warn, 1, 99), result(warn, 0, 0))), "");
+  EXPECT_EQ(losses_in(report(result(pass, 0, 0), result(warn, 0, 7)), report(result(warn, 0, 2), result(warn, 0, 0))),
+            "edge_ratio: pass -> warn, 0 -> 2 warn");
 }
 
 /// The smallest volume of a layer, which a single tetrahedron may miss.

@@ -43,11 +43,38 @@ TEST(Validate, FindingsAreSentences) {
             "the mesh is not valid:\n  1 of the corners has an index out of range (first, counted from 1: 7)" + end);
   TetMesh mesh = test::cube(1);
   mesh.point_tags.push_back(0);
-  EXPECT_EQ(validate(mesh).message(true), "the mesh is not valid:\n  vertex tags have 9 entries, and not 8" + end);
+  EXPECT_EQ(validate(mesh).message(true),
+            "the mesh is not valid:\n  vertex tags have 9 entries, and not 8\n  in the program that fills these "
+            "arrays, give them that many entries.");
+  mesh.corners = {8};
+  EXPECT_TRUE(validate(mesh).message(true).ends_with(end));
+  mesh.corners.clear();
   mesh.point_tags.pop_back();
   mesh.point_data = {{"heat", 0, std::vector<double>(8)}};
   EXPECT_EQ(validate(mesh).message(true),
             "the mesh is not valid:\n  values of \"heat\" on vertices, of 0 components, have 8 entries" + end);
+}
+
+TEST(Validate, IndicesOutOfRangeAreNamedInTheNumberingOfTheCaller) {
+  TetMesh mesh = test::one_tet();
+  const auto line = [&mesh](bool one_based) {
+    const std::string text = validate(mesh).message(one_based);
+    const std::size_t begin = text.find("): ") + 3;
+    return text.substr(begin, text.find('\n', begin) - begin);
+  };
+  for (Index& v : mesh.tets[0]) ++v;
+  EXPECT_EQ(line(false), "index 4, but there are 4 vertices (0 to 3); if the ids count from 1, subtract 1");
+  EXPECT_EQ(line(true), "index 5, but there are 4 vertices (1 to 4)");
+  mesh.tets = {{0, 1, 2, -1}};
+  EXPECT_EQ(line(false), "index -1, but there are 4 vertices (0 to 3)");
+  EXPECT_EQ(line(true), "index 0, but there are 4 vertices (1 to 4)");
+  mesh = test::one_tet();
+  mesh.ridges = {2};
+  EXPECT_EQ(line(false), "index 2, but there are no edges");
+  mesh.ridges.clear();
+  mesh.second_order = true;
+  mesh.curved_edges = {{{0, 7}, {0, 0, 0}}};
+  EXPECT_EQ(line(false), "index 7, but there are 4 vertices (0 to 3)");
 }
 
 TEST(Validate, CurvedEdgesAreEdgesInOrder) {
@@ -130,6 +157,8 @@ TEST(Validate, AcceptsAnyUnitButNotTinyTetrahedra) {
   m.points.push_back({1e170, 0, 0});
   m.point_tags.push_back(0);
   expect_refused(m, Defect::tiny_tet, 1, {0});
+  EXPECT_NE(validate(m).message(true).find("; the largest coordinate is 1e+170, of vertex 5, which may be wrong\n"),
+            std::string::npos);
   for (const double unit : {1e307, 1e-300}) {
     TetMesh scaled = test::scrambled(test::cube(4, 0.2), 1);
     for (Point3& p : scaled.points) {

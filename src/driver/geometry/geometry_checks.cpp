@@ -22,7 +22,8 @@ void refuse_options(const TetMesh& mesh, const Options& options) {
   if (options.surface_vertices == SurfaceVertices::edit)
     refuse("vertices of the surface stay: use surface_vertices=keep");
   if (!mesh.periodic.empty()) refuse("periodic vertices cannot slide: take the links out of the mesh");
-  if (!mesh.curved_edges.empty()) refuse("elements are straight: convert the mesh to order 1 first");
+  if (!mesh.curved_edges.empty())
+    refuse("elements are straight: convert the mesh to order 1 first (tetune convert IN OUT --order 1)");
 }
 
 /// The tags of surface triangles that must be frozen exist in the caller's list. Throws OptionError.

@@ -182,7 +182,8 @@ class MeditTable {
       const std::int64_t next = number_at(at + 4, encoding_.position_bytes());
       const std::int64_t begin = at + 4 + encoding_.position_bytes();
       if (next != 0 && (next < begin || next > source.size())) {
-        source.fail_at(begin, "a section points to a place outside the file");
+        source.fail_at(begin, std::string("a section points to a place outside the file") +
+                                  (next > source.size() ? ", which may be cut off" : ""));
       }
       is_complete_ = next == 0;
       sections_.push_back({code, begin, next == 0 ? source.size() : next, next == 0});
