@@ -68,7 +68,7 @@ struct FlipState {
   /// The largest ring of an edge removal, 3 to kMaxRing; 0: no flips.
   int max_ring = kMaxRing;
 
-  /// Frees the memory of what the next activation makes again.
+  /// Frees the memory of the sets that the next activation makes again.
   void release_active() {
     active = {};
     tet2bid = {};
