@@ -138,13 +138,22 @@ TetMesh with_measures(TetMesh mesh, const std::vector<Measures>& measures) {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> list = {
-      {.name = "MEDIT text", .endings = {".mesh"}, .read = read_medit, .write = write_file<write_medit_text>},
-      {.name = "MEDIT binary", .endings = {".meshb"}, .read = read_medit, .write = write_file<write_medit_binary>},
+      {.name = "MEDIT text",
+       .endings = {".mesh"},
+       .read = read_medit,
+       .write = write_file<write_medit_text>,
+       .holds = {.mid_side_nodes = false}},
+      {.name = "MEDIT binary",
+       .endings = {".meshb"},
+       .read = read_medit,
+       .write = write_file<write_medit_binary>,
+       .holds = {.mid_side_nodes = false}},
       {.name = "TetGen",
        .endings = {".ele", ".node", ".face"},
        .read = read_tetgen,
        .write = write_tetgen,
-       .is_set = true},
+       .is_set = true,
+       .holds = {.mid_side_nodes = false}},
       {.name = "VTK XML", .endings = {".vtu"}, .plugin = &kVtkPlugin},
       {.name = "VTK XML in parts",
        .endings = {".pvtu"},
@@ -164,7 +173,11 @@ const std::vector<Format>& formats() {
        .write = write_file<write_inp>,
        .holds = {.deck = true},
        .parts = included_inp_files},
-      {.name = "SU2", .endings = {".su2"}, .read = read_su2, .write = write_file<write_su2>},
+      {.name = "SU2",
+       .endings = {".su2"},
+       .read = read_su2,
+       .write = write_file<write_su2>,
+       .holds = {.mid_side_nodes = false}},
       {.name = "Netgen",
        .endings = {".vol"},
        .read = read_netgen,
@@ -277,15 +290,10 @@ void check_writable(const std::string& path) {
 }
 
 void check_second_order(const std::string& path) {
-  const auto holds = [](const Format& f) {
-    const auto first_order = {write_tetgen, write_file<write_medit_text>, write_file<write_medit_binary>,
-                              write_file<write_su2>};
-    return std::find(first_order.begin(), first_order.end(), f.write) == first_order.end();
-  };
-  if (holds(format_of(path, Access::write))) return;
+  if (format_of(path, Access::write).holds.mid_side_nodes) return;
   std::string others;
   for (const Format& format : formats()) {
-    if (format.writes() && holds(format)) others += " " + format.endings.front();
+    if (format.writes() && format.holds.mid_side_nodes) others += " " + format.endings.front();
   }
   throw FileError(path + ": the format has no nodes in the middles of edges; write one of" + others);
 }

@@ -48,6 +48,7 @@ struct Format {
   /// What else than a mesh's elements, tags and data a file can hold.
   struct Holds {
     bool periodic_links = false, node_numbers = false, deck = false, length_unit = false;
+    bool mid_side_nodes = true;
   };
   Holds holds{};
   /// The files that a file names and that are read with it; null: none.
