@@ -22,7 +22,8 @@ struct Block {
   int id = 0;
   std::size_t kind = 0;  ///< position in kKinds
   std::int64_t elements = 0;
-  std::int64_t first = 0;  ///< number of its first element, from 0
+  std::int64_t first = 0;      ///< number of its first element, from 0
+  std::int64_t first_tet = 0;  ///< position of its first tetrahedron in the mesh
 };
 
 std::size_t kind_of(const ex_block& block) {
@@ -97,7 +98,7 @@ class ExodusReader {
     info.id = id;
     info.type = EX_ELEM_BLOCK;
     file_.check(ex_get_block_param(file_.id(), &info), "read an element block");
-    Block block{id, 0, info.num_entry, elements_};
+    Block block{id, 0, info.num_entry, elements_, std::ssize(mesh_.tets)};
     elements_ += block.elements;
     if (block.elements == 0) return;
     block.kind = kind_of(info);
@@ -181,14 +182,12 @@ class ExodusReader {
     for (std::size_t i = 0; i < count; ++i) {
       const int element = entries[i] - 1;
       const int side = entries[count + i];
-      const auto at = std::find_if(blocks_.begin(), blocks_.end(), [element](const Block& b) {
-        return element >= b.first && element < b.first + b.elements;
-      });
-      if (at == blocks_.end()) {
+      const Block* const block = block_of(element);
+      if (block == nullptr) {
         throw FileError("side set " + std::to_string(id) + " has element " + std::to_string(element + 1) +
                         ", which does not exist");
       }
-      if (at->kind >= kTriangles) {
+      if (block->kind >= kTriangles) {
         ++left_out;
         continue;
       }
@@ -196,11 +195,11 @@ class ExodusReader {
         throw FileError("side set " + std::to_string(id) + " has side " + std::to_string(side) +
                         " of a tetrahedron; there are 4");
       }
-      const auto& tet = item(mesh_.tets, tet_number(*at) + element - at->first);
+      const auto& tet = item(mesh_.tets, block->first_tet + element - block->first);
       const auto& corners = item(kTetSides, side - 1);
       mesh_.triangles.push_back({tet[corners[0]], tet[corners[1]], tet[corners[2]]});
       mesh_.triangle_tags.push_back(tag);
-      if (at->kind == kTets + 1) ++middles_.complete[2];  // those of the tetrahedron
+      if (block->kind == kTets + 1) ++middles_.complete[2];  // those of the tetrahedron
     }
     add_group(2, tag, name_of(EX_SIDE_SET, id));
     if (left_out > 0) {
@@ -209,13 +208,13 @@ class ExodusReader {
     }
   }
 
-  /// Position of the block's first tetrahedron.
-  std::int64_t tet_number(const Block& block) const {
-    std::int64_t before = 0;
-    for (const Block& b : blocks_) {
-      if (b.kind < kTriangles && b.first < block.first) before += b.elements;
-    }
-    return before;
+  /// The block of an element; null where there is none.
+  const Block* block_of(std::int64_t element) const {
+    const auto after = std::upper_bound(blocks_.begin(), blocks_.end(), element,
+                                        [](std::int64_t e, const Block& block) { return e < block.first; });
+    if (after == blocks_.begin()) return nullptr;
+    const Block& block = *std::prev(after);
+    return element < block.first + block.elements ? &block : nullptr;
   }
 
   std::vector<int> read_set(ex_entity_type type, int id, std::int64_t& count) const {

@@ -241,11 +241,10 @@ class GridReader {
 TetMesh from_grid(vtkUnstructuredGrid* grid, Pieces pieces, Warnings& warnings) {
   TetMesh mesh;
   GridReader(grid, mesh, warnings).read(pieces);
-  const vtkFieldData* none = nullptr;
-  if (vtkFieldData* fields = grid->GetFieldData(); fields != none) {
-    for (int i = 0; i < fields->GetNumberOfArrays(); ++i) {
-      warnings.push_back("the field data \"" + std::string(fields->GetArrayName(i)) + "\" is not kept");
-    }
+  vtkFieldData* const fields = grid->GetFieldData();
+  for (int i = 0; fields != nullptr && i < fields->GetNumberOfArrays(); ++i) {
+    const char* const name = fields->GetArrayName(i);
+    warnings.push_back("the field data \"" + std::string(name != nullptr ? name : "") + "\" is not kept");
   }
   return mesh;
 }

@@ -22,7 +22,7 @@ namespace {
 /// Keeps the first error that VTK reports, and whether it warns of a file that ends too early.
 class Messages : public vtkOutputWindow {
  public:
-  static Messages* New();
+  static Messages* New() { VTK_STANDARD_NEW_BODY(Messages); }
   void DisplayErrorText(const char* text) override {
     // The name of the filter that failed means nothing to a user.
     if (std::strstr(text, "returned failure for request") != nullptr) {
@@ -51,10 +51,8 @@ class Messages : public vtkOutputWindow {
   std::string first_;
   bool damaged_ = false;
 };
-vtkStandardNewMacro(Messages)
-
-    template <class Reader>
-    TetMesh read_xml(const std::string& file, Pieces pieces, const Messages& messages, Warnings& warnings) {
+template <class Reader>
+TetMesh read_xml(const std::string& file, Pieces pieces, const Messages& messages, Warnings& warnings) {
   vtkNew<Reader> reader;
   if (reader->CanReadFile(file.c_str()) == 0) {
     throw FileError("this is not a VTK XML file of an unstructured grid");

@@ -123,6 +123,42 @@ TEST_F(Plugins, IntegersThatExodusRoundsAreAWarning) {
   EXPECT_EQ(warnings_with(warnings, "are rounded, as Exodus stores doubles: data \"ids\", \"low\""), 1U);
 }
 
+TEST_F(Plugins, NodeSetsOfExodusHaveDifferentNumbers) {
+  TetMesh m = cube(2);
+  const auto only = [n = m.points.size()](std::size_t vertex) {
+    std::vector<std::uint8_t> flags(n, 0);
+    flags[vertex] = 1;
+    return flags;
+  };
+  m.point_data = {{"node_set:2:first", 1, only(0)},
+                  {"node_set:2:second", 1, only(1)},
+                  {"node_set:hot wall", 1, only(2)},
+                  {"node_set:1", 1, only(3)}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.e"), m, 1, &warnings);
+  EXPECT_EQ(warnings_with(warnings, "2 node sets get other numbers"), 1U);
+  const TetMesh back = read_mesh(path("a.e"), nullptr, 1);
+  EXPECT_EQ(names_of(back.point_data),
+            (std::vector<std::string>{"node_set:2:first", "node_set:3:second", "node_set:4", "node_set:1"}));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(doubles(back.point_data[i]), doubles(m.point_data[i])) << i;
+}
+
+TEST_F(Plugins, ASideSetOfANegativeTagKeepsItsName) {
+  TetMesh m = cube(2);
+  const auto& [a, b, c, d] = m.tets[0];
+  m.triangles = {{a, c, b}, {a, b, d}};
+  m.triangle_tags = {1, -7};
+  m.groups = {{2, 1, "wall", {-7}}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.e"), m, 1, &warnings);
+  EXPECT_EQ(warnings_with(warnings, "the tag -7 is side set 2"), 1U);
+  const TetMesh back = read_mesh(path("a.e"), nullptr, 1);
+  const auto wall = std::find_if(back.groups.begin(), back.groups.end(),
+                                 [](const Group& g) { return g.dimension == 2 && g.name == "wall"; });
+  ASSERT_NE(wall, back.groups.end());
+  EXPECT_EQ(wall->tags, std::vector{2});
+}
+
 /// A tetrahedron with a side set and a node set. `special`: with contents that are not kept, otherwise with the same
 /// that say nothing.
 std::string exodus_file(bool special) {
