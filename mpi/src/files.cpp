@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files.hpp"
 
-#include <filesystem>
 #include <set>
 #include <utility>
 
@@ -117,7 +116,7 @@ void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const T
   MPI_Bcast(&others, 1, MPI_INT, 0, comm);
   int turned = frame.listed_inside_out ? 1 : 0;
   MPI_Bcast(&turned, 1, MPI_INT, 0, comm);
-  if (std::filesystem::path(path).extension() == ".meshb" && others == 0) {
+  if (is_meshb(path) && others == 0) {
     if (turned != 0) {
       for (Cell& c : pieces.cells) std::swap(c.v[2], c.v[3]);
     }

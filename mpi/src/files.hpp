@@ -31,6 +31,8 @@ Input read_pieces(MPI_Comm comm, const std::string& path);
 void write_pieces(MPI_Comm comm, const std::string& path, Pieces pieces, const Totals& totals, TetMesh frame,
                   std::vector<std::string>& warnings);
 
+/// Whether the name is that of a MEDIT binary file.
+bool is_meshb(const std::string& path);
 /// Whether the name is that of a DMPlex in HDF5 (.h5), or of XDMF that refers to one (.xmf).
 bool is_plex_file(const std::string& path);
 void check_plex_writable(const std::string& path);

@@ -22,7 +22,9 @@ class FileSource {
  public:
   explicit FileSource(const std::string& path) : path_(path), file_(path, std::ios::binary) {
     if (!file_) throw FileError(path + ": cannot be opened: " + std::strerror(errno));
-    size_ = std::int64_t(std::filesystem::file_size(path));
+    std::error_code error;
+    size_ = std::int64_t(std::filesystem::file_size(path, error));
+    if (error) throw FileError(path + ": cannot be read: " + error.message());
   }
   const std::string& path() const { return path_; }
   std::int64_t size() const { return size_; }
@@ -150,8 +152,10 @@ void add_flags(MPI_Comm comm, std::optional<Reader>& reader, const MeditSection&
 
 }  // namespace
 
+bool is_meshb(const std::string& path) { return std::filesystem::path(path).extension() == ".meshb"; }
+
 bool is_plain_meshb(const std::string& path) {
-  if (std::filesystem::path(path).extension() != ".meshb") return false;
+  if (!is_meshb(path)) return false;
   try {
     const Reader reader(path);
     const bool has_others = std::any_of(kMeditOthers.begin(), kMeditOthers.end(),

@@ -124,6 +124,11 @@ class Program {
   void check_what_is_kept(const Input& input) const {
     const bool to_plex = is_plex_file(job_.output);
     collective_try(comm_, [&] {
+      constexpr Id kMaxOfRank = std::numeric_limits<Index>::max();
+      if (!to_plex && !is_meshb(job_.output) && std::max(input.totals.vertices, input.totals.cells) > kMaxOfRank) {
+        throw FileError(job_.output +
+                        ": one rank writes this format, of at most 2^31 - 1 vertices and tetrahedra; give " + ".meshb");
+      }
       if (!to_plex) return;
       // Cells, faces, edges and vertices.
       if (input.totals.cells > PETSC_MAX_INT / 5) {

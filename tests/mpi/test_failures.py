@@ -25,6 +25,11 @@ class Failures(MpiTest):
     def test_no_file(self):
         self.refused(self.path("none.mesh"), said=["none.mesh"])
 
+    def test_a_folder(self):
+        folder = self.path("folder.meshb")
+        os.mkdir(folder)
+        self.refused(folder, said=["folder.meshb: not a regular file"])
+
     def test_damaged_binary(self):
         damaged = self.path("damaged.meshb")
         Path(damaged).write_bytes(Path(mpi_case.BRACKET).read_bytes()[:100000])
