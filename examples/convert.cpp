@@ -12,8 +12,8 @@ int main(int argc, char** argv) {
   try {
     std::vector<std::string> warnings;
     const tetune::TetMesh mesh = tetune::read_mesh(argv[1], &warnings);
+    tetune::write_mesh(argv[2], mesh, 0, &warnings);
     for (const std::string& w : warnings) std::fprintf(stderr, "%s\n", w.c_str());
-    tetune::write_mesh(argv[2], mesh);
     std::printf("%zu vertices, %zu tetrahedra\n", mesh.points.size(), mesh.tets.size());
   } catch (const tetune::Error& e) {
     std::fprintf(stderr, "%s\n", e.what());

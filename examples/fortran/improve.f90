@@ -15,6 +15,7 @@ program improve
   call get_command_argument(1, input)
   call get_command_argument(2, output)
   call check(tetune_mesh_read(trim(input)//c_null_char, file))
+  call print_warnings()
   n = tetune_mesh_count(file, vertices)
   m = tetune_mesh_count(file, tetrahedra)
   call c_f_pointer(tetune_mesh_points(file), points, [3_c_int64_t, n])
@@ -29,6 +30,7 @@ program improve
   call check(tetune_mesh_get_quality(mesh, after))
   print '(a, f0.2, a, f0.2, a)', "smallest dihedral angle: ", before%min_dihedral, " -> ", after%min_dihedral, " degrees"
   call check(tetune_mesh_write(mesh, trim(output)//c_null_char))
+  call print_warnings()
   call tetune_options_destroy(options)
   call tetune_mesh_destroy(mesh)
 end program

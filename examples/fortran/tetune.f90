@@ -73,6 +73,14 @@ module tetune
     type(c_ptr) function tetune_last_error() bind(c)
       import
     end function
+    ! Of the last file that was read or written.
+    integer(c_int64_t) function tetune_last_warnings() bind(c)
+      import
+    end function
+    type(c_ptr) function tetune_last_warning(position) bind(c)
+      import
+      integer(c_int64_t), value :: position
+    end function
     integer(c_size_t) function c_strlen(text) bind(c, name="strlen")
       import
       type(c_ptr), value :: text
@@ -84,12 +92,24 @@ contains
   ! Stops with the library's sentence if a call has failed.
   subroutine check(status)
     integer(c_int), intent(in) :: status
-    character(kind=c_char), pointer :: text(:)
-    type(c_ptr) :: sentence
     if (status == 0) return
-    sentence = tetune_last_error()
+    call print_sentence(tetune_last_error())
+    error stop 1
+  end subroutine
+
+  ! Prints what the last file that was read had beyond the mesh, or what the format of the last one that was written
+  ! cannot hold.
+  subroutine print_warnings()
+    integer(c_int64_t) :: position
+    do position = 0, tetune_last_warnings() - 1
+      call print_sentence(tetune_last_warning(position))
+    end do
+  end subroutine
+
+  subroutine print_sentence(sentence)
+    type(c_ptr), intent(in) :: sentence
+    character(kind=c_char), pointer :: text(:)
     call c_f_pointer(sentence, text, [c_strlen(sentence)])
     print '(*(a))', text
-    error stop 1
   end subroutine
 end module
