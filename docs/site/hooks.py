@@ -55,7 +55,7 @@ PYTHON = """# Python
 ## Result types
 {tetune.Report tetune.SweepReport tetune.FlipReport tetune.WorstReport tetune.TargetReport tetune.MissedTet tetune.Quality tetune.MeasureSummary tetune.WorstTet tetune.Comparison tetune.AcceptanceReport tetune.CriterionResult tetune.CriteriaReport tetune.CriteriaRound tetune.CriterionLimits tetune.GeometryReport tetune.GeometryMatch tetune.GeometryDeviation tetune.FaceDeviation tetune.DistanceSummary tetune.CurvedQuality tetune.CurvedTet tetune.CurveReport tetune.StraightenedEdge}
 ## Errors
-{tetune.Error tetune.MeshError tetune.UntangleError tetune.OverlapError tetune.OptionError tetune.FileError tetune.DeviceError}
+{tetune.Error tetune.MeshError tetune.UntangleError tetune.CurvedError tetune.OverlapError tetune.OptionError tetune.FileError tetune.DeviceError}
 """
 
 

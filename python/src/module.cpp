@@ -7,6 +7,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <exception>
 #include <map>
 #include <string>
 
@@ -176,11 +177,24 @@ void bind_errors(nb::module_& m) {
   mesh_error.doc() = "A mesh breaks the contract of validate().";
   nb::exception<UntangleError>(m, "UntangleError", mesh_error).doc() =
       "The option untangle could not make every volume positive, or every second-order element valid.";
+  const nb::exception<CurvedError> curved_error(m, "CurvedError", mesh_error);
+  curved_error.doc() = "Second-order elements are not proved valid, and the option untangle is not set.";
   nb::exception<OverlapError>(m, "OverlapError", mesh_error).doc() =
       "The mesh overlaps itself, and flips there would make faces that three or more tetrahedra share.";
   nb::exception<OptionError>(m, "OptionError", error).doc() =
       "An option is out of its range, or names a tag that no element has.";
   nb::exception<DeviceError>(m, "DeviceError", error).doc() = "A device is absent, unusable or out of memory.";
+  // The message names the function of Python.
+  nb::register_exception_translator(
+      [](const std::exception_ptr& thrown, void* type) {
+        try {
+          std::rethrow_exception(thrown);
+        } catch (const CurvedError& e) {
+          const std::string text = e.message(false) + " measure_curved_each() measures them.";
+          PyErr_SetString(static_cast<PyObject*>(type), text.c_str());
+        }
+      },
+      curved_error.ptr());
 }
 
 void bind_functions(nb::module_& m) {

@@ -32,7 +32,7 @@ def test_tags_choose_the_regions():
     with pytest.raises(tetune.OptionError, match="not whole"):
         tetune.optimize(half, tags="material")
     vectors = meshio.Mesh(points, [("tetra", tets)], cell_data={"material": [np.ones((len(tets), 3))]})
-    with pytest.raises(tetune.OptionError, match="has 3 numbers a cell"):
+    with pytest.raises(tetune.OptionError, match="has 3 numbers per cell"):
         tetune.optimize(vectors, tags="material")
 
 

@@ -90,7 +90,7 @@ def test_meshio():
     assert (r.mesh.point_data["id"] == np.arange(len(points))).all()
     with pytest.raises(tetune.OptionError, match="the point data of this mesh are: u, id"):
         tetune.move(mesh, to="v")
-    with pytest.raises(tetune.OptionError, match="three numbers a vertex"):
+    with pytest.raises(tetune.OptionError, match="three numbers per vertex"):
         tetune.move(mesh, to="id")
 
 

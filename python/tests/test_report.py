@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -283,6 +284,23 @@ def test_other_volumes_are_a_warning(tmp_path):
     (warning,) = data_of(tmp_path / "r.html")["warnings"]
     assert warning.startswith("The volumes differ by more than a factor of 2 (")
     assert "Curved" not in str(data_of(tmp_path / "r.html")["figures"])
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_run_with_mesh_and_page(tmp_path, number):
+    points, tets = shaken_box(30, 30, 30)
+    tetune.write_mesh(tmp_path / "in.meshb", tetune.TetMesh(points, tets))
+    command = [sys.executable, "-m", "tetune", "optimize", "in.meshb", "-o", "out.meshb", "--effort", "best", "--report-html",
+               "page.html", "--progress", "json"]
+    # All processes of the group get the signal, as from a terminal.
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True) as run:
+        assert any(json.loads(line)["event"] == "progress" for line in run.stderr)
+        os.killpg(run.pid, number)
+        lines = [json.loads(line) for line in run.stderr]
+        assert run.wait(100) == 1
+    assert lines[-1]["event"] == "end" and lines[-1]["result"] == "interrupted"
+    assert tetune.validate(tetune.read_mesh(tmp_path / "out.meshb")) == ""
+    assert data_of(tmp_path / "page.html")["optimization"]["stopped"] == "interrupted"
 
 
 def test_without_plotly(tmp_path):

@@ -41,6 +41,15 @@ def bent_box():
     return corners, cells
 
 
+def test_elements_that_are_not_valid_have_an_error_of_their_own():
+    points, tets = shaken_box(3, 3, 3)
+    edge = sorted(tets[0][:2])
+    mesh = tetune.TetMesh(points, tets, curved_edges=[edge], curved_middles=[points[edge].mean(axis=0) + 3])
+    with pytest.raises(tetune.CurvedError, match=r"measure_curved_each\(\) measures them"):
+        tetune.optimize(mesh)
+    assert issubclass(tetune.CurvedError, tetune.MeshError)
+
+
 def middles_by_edge(points, cells):
     """Positions by the positions of the ends."""
     by_edge = {}

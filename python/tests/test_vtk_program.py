@@ -211,7 +211,7 @@ def test_no_warning_of_pyvista(tmp_path):
     rich_mesh().write(tmp_path / "in.vtu")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        grid = load_by_pyvista(str(tmp_path / "in.vtu"))
+        grid = load_by_pyvista(str(tmp_path / "in.vtu"), [])
     cells = {kind: ids for kind, ids, _ in grid.cells}
     for block, kind in zip(rich_mesh().cells, (10, 5, 9, 12)):
         assert np.array_equal(cells[kind], block.data)
@@ -224,6 +224,38 @@ def test_required_entities(command, tmp_path):
         assert run("convert", a, b).returncode == 0
     assert (tmp_path / "a.mesh").read_bytes() == (tmp_path / "b.mesh").read_bytes()
     assert np.array_equal(tetune.read_mesh(str(tmp_path / "a.mesh")).required_vertices, [3])
+
+
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_long_names_in_legacy_files(command, tmp_path, package):
+    mesh = rich_mesh()
+    names = ["f" * 255, "f" * 256, "f" * 300, "\u00f6" * 43]  # each of the last takes six characters
+    values = [np.arange(len(mesh.points)) + float(i) for i in range(len(names))]
+    mesh.point_data |= dict(zip(names, values))
+    mesh.write(tmp_path / "in.vtu")
+    run = command(package)
+    done = run("convert", "in.vtu", "out.vtk")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("is longer than the format allows") == 3
+    back = run("convert", "out.vtk", "back.vtu")
+    assert back.returncode == 0, back.stderr
+    short = ["f" * 255, "f" * 253 + "~2", "f" * 253 + "~3"]
+    data = meshio.read(tmp_path / "back.vtu").point_data
+    for name, value in zip(short, values):
+        assert np.array_equal(data[name], value), name
+    if package == "pyvista":  # meshio reads no names that are not ASCII from legacy files
+        assert np.array_equal(data["\u00f6" * 42], values[3])
+
+
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_field_data_are_a_warning(command, tmp_path, package):
+    pv = pytest.importorskip("pyvista")
+    grid = pv.UnstructuredGrid({10: np.array([[0, 1, 2, 3]])}, np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float))
+    grid.field_data["origin"] = [1.0, 2.0]
+    grid.save(tmp_path / "in.vtu")
+    done = command(package)("convert", "in.vtu", "out.mesh")
+    assert done.returncode == 0, done.stderr
+    assert 'the field data "origin" is not kept' in done.stderr
 
 
 def test_optimize(command, tmp_path):

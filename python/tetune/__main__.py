@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -19,6 +20,20 @@ def _wants_page(words: list[str]) -> bool:
     return any(w.lstrip("-").split("=")[0] == "report-html" for w in options if w.startswith("-"))
 
 
+def _run_program(words: list[str], environment: dict[str, str]) -> int:
+    """Runs the program and returns its exit code. It gets each SIGINT and SIGTERM once, on which it writes the mesh so far:
+    in a session of its own it does not get those of the terminal."""
+    with subprocess.Popen([PROGRAM, *words], env=environment, start_new_session=True) as process:
+        before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        for number, handler in before.items():
+            if handler is not signal.SIG_IGN:
+                signal.signal(number, lambda number, _: process.send_signal(number))
+        code = process.wait()
+    for number, handler in before.items():
+        signal.signal(number, handler)
+    return code if code >= 0 else 128 - code  # of a signal, as shells have it
+
+
 def _run_with_page(words: list[str]) -> int:
     """Runs the program, which checks the name of the page with those of its other files, and then writes the page."""
     from .report._page import plotly_script
@@ -31,7 +46,7 @@ def _run_with_page(words: list[str]) -> int:
         return 2
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "run.json"
-        done = subprocess.run([PROGRAM, *words], env={**os.environ, "TETUNE_PAGE_DATA": str(data)}).returncode
+        done = _run_program(words, {**os.environ, "TETUNE_PAGE_DATA": str(data)})
         if not data.exists():  # no mesh was written, or that of --dry-run
             return done
         run = json.loads(data.read_text(encoding="utf-8"))

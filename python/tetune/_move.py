@@ -101,12 +101,12 @@ def move(
 
     A target that cannot be reached is no error: `result.motion.reached` is False, the mesh is the valid one of the last
     fraction, and `result.motion.blocking_tets` says where it ended. Prescribed vertices that reached their target are
-    there bit for bit. With boundary="slide" the rest of
-    the surface slides on that of the input; max_deviation must then be 0.
+    there bit for bit. With boundary="slide" the rest of the surface slides on that of the input; max_deviation must then
+    be 0.
 
     Raises:
         OptionError: `to` is not usable, or as in optimize().
-        MeshError, OverlapError, UntangleError: as in optimize().
+        MeshError, CurvedError, OverlapError, UntangleError: as in optimize().
     """
     work, adapter = prepared(mesh, tets, tags)
     check_data(adapter, options)

@@ -135,6 +135,7 @@ def optimize(
     Raises:
         FileError: the file of the criteria or of the geometry cannot be read, or names what is unknown.
         MeshError: the mesh is not valid: it has inverted elements, indices out of range or the like.
+        CurvedError: second-order elements are not proved valid; the option untangle may repair them.
         OverlapError: the mesh overlaps itself, and flips would make faces that three or more tetrahedra share.
         UntangleError: the option untangle could not make every volume positive, or every second-order element valid.
         OptionError: an option is out of its range, or names a tag that no element has. (Options

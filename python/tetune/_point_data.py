@@ -31,7 +31,7 @@ def displacement_of(data: Mapping[str, Any], name: str) -> Array:
         raise OptionError(f"to is {name!r}; the point data of this mesh are: {', '.join(data) or 'none'}")
     values = np.asarray(data[name])
     if values.ndim != 2 or values.shape[1] != 3:
-        raise OptionError(f"to is {name!r}, which has the shape {values.shape}; a displacement has three numbers a vertex")
+        raise OptionError(f"to is {name!r}, which has the shape {values.shape}; a displacement has three numbers per vertex")
     return values
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import MeshError, TetMesh
+from ._vtk_stream import CELLS, CURVED, OTHERS, SECOND
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -20,21 +21,11 @@ Array: TypeAlias = NDArray[Any]
 LINEAR_KIND = {"tetra10": "tetra", "triangle6": "triangle", "line3": "line",
                "quad8": "quad", "pyramid13": "pyramid", "wedge15": "wedge", "hexahedron20": "hexahedron"}
 # Second-order kinds that are kept unchanged, with the library's names.
-OTHER_KIND = {"quad8": "Quadrilaterals", "pyramid13": "Pyramids", "wedge15": "Prisms", "hexahedron20": "Hexahedra"}
+OTHER_KIND = {CELLS[numbers[0]][1]: name for name, _, numbers, edges in OTHERS if edges}
 # The ends of the edges of each kind, in the order of their mid-side nodes.
-EDGES = {
-    "tetra10": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
-    "triangle6": ((0, 1), (1, 2), (2, 0)),
-    "line3": ((0, 1),),
-    "quad8": ((0, 1), (1, 2), (2, 3), (3, 0)),
-    "pyramid13": ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
-    "wedge15": ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)),
-    "hexahedron20": ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
-}
+EDGES = {CELLS[number][1]: edges for number, (_, _, edges) in SECOND.items()}
 # The number of vertices of each kind; the mid-side nodes follow.
-CORNERS = {"tetra10": 4, "triangle6": 3, "line3": 2, "quad8": 4, "pyramid13": 5, "wedge15": 6, "hexahedron20": 8}
-# The largest distance of a node from the midpoint, in parts of the edge, that counts as rounding; as in files.
-STRAIGHT = 1e-4
+CORNERS = {CELLS[number][1]: corners for number, (corners, _, _) in SECOND.items()}
 
 
 class Nodes(NamedTuple):
@@ -96,7 +87,7 @@ class Middles:
         a, b = self.points[self.vertices[self.edges[:, 0]]], self.points[self.vertices[self.edges[:, 1]]]
         off = self.points[self.nodes] - (a + b) / 2
         with np.errstate(invalid="ignore"):
-            straight = np.linalg.norm(off, axis=1) <= STRAIGHT * np.linalg.norm(b - a, axis=1)
+            straight = np.linalg.norm(off, axis=1) <= CURVED * np.linalg.norm(b - a, axis=1)
         self.curved = np.flatnonzero((off != 0).any(axis=1)) if not straight.all() else np.array([], dtype=int)
         """The rows of the edges that are curved."""
 

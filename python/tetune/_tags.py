@@ -44,7 +44,7 @@ def tags_of(tags: Tags, names: Sequence[str], values_of: Values) -> list[Array] 
 def _as_tags(name: str, values: Any) -> Array:
     values = np.asarray(values)
     if values.ndim != 1:
-        raise OptionError(f"tags is {name!r}, which has {values.shape[1]} numbers a cell; it must have one")
+        raise OptionError(f"tags is {name!r}, which has {values.shape[1]} numbers per cell; it must have one")
     whole: Array = values.astype(np.int64)
     if not np.array_equal(whole, values):
         raise OptionError(f"tags is {name!r}, which has numbers that are not whole; tags must be")

@@ -9,7 +9,7 @@ import ctypes
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -21,6 +21,8 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))
 from tetune._vtk_stream import CELLS, VERSION, Grid, Reader, Refused, Writer, decode, encode  # noqa: E402
 
 DESCRIPTOR = 3
+# The most characters of a name that VTK's reader of legacy files accepts.
+LEGACY_NAME = 255
 
 
 # ---- The library that reads and writes files.
@@ -46,8 +48,8 @@ def check(file: str) -> str:
     return name
 
 
-def load(file: str) -> Grid:
-    return without_ghosts(load_all(file))
+def load(file: str, warnings: list[str]) -> Grid:
+    return without_ghosts(load_all(file, warnings))
 
 
 def without_ghosts(grid: Grid) -> Grid:
@@ -72,13 +74,14 @@ def kinds_of_meshio() -> Iterator[None]:
         raise Refused(f"meshio has no cells of type {e.args[0]}; install pyvista, which has them") from None
 
 
-def load_all(file: str) -> Grid:
+def load_all(file: str, warnings: list[str]) -> Grid:
     if check(file) == "pyvista":
-        return load_by_pyvista(file)
+        return load_by_pyvista(file, warnings)
     import meshio
 
     with kinds_of_meshio():
         mesh = meshio.read(file)
+    warn_of_field_data(mesh.field_data, warnings)
     numbers = {name: number for number, (_, name) in CELLS.items()}
     cells, first = [], 0
     for block in mesh.cells:
@@ -93,7 +96,11 @@ def load_all(file: str) -> Grid:
                 {name: np.concatenate([np.asarray(v) for v in values]) for name, values in mesh.cell_data.items()})
 
 
-def load_by_pyvista(file: str) -> Grid:
+def warn_of_field_data(names: Iterable[str], warnings: list[str]) -> None:
+    warnings += [f'the field data "{name}" is not kept' for name in names]
+
+
+def load_by_pyvista(file: str, warnings: list[str]) -> Grid:
     import pyvista as pv
 
     grid = pv.read(file)
@@ -101,6 +108,7 @@ def load_by_pyvista(file: str) -> Grid:
         grid = pv.wrap(grid).clean()
     if not isinstance(grid, pv.UnstructuredGrid):
         raise Refused(f"it holds a {type(grid).__name__}, not an unstructured grid")
+    warn_of_field_data(grid.field_data.keys(), warnings)
     # By VTK, as the name of the offsets in pyvista depends on its version.
     offsets = np.asarray(pv.convert_array(grid.GetCells().GetOffsetsArray()))
     kinds, ids = np.asarray(grid.celltypes), np.asarray(grid.cell_connectivity)
@@ -116,8 +124,38 @@ def load_by_pyvista(file: str) -> Grid:
                 {n: np.asarray(v) for n, v in grid.cell_data.items()})
 
 
-def save(file: str, grid: Grid) -> None:
+def written_length(name: str) -> int:
+    """The number of characters in a legacy file, where VTK writes %XX for blanks and bytes that are not ASCII."""
+    return sum(3 if b < 33 or b > 126 or b in b'"%' else 1 for b in name.encode())
+
+
+def start_of(name: str, most: int) -> str:
+    """The longest start of a name that has at most `most` characters in a legacy file."""
+    lengths = np.cumsum([written_length(c) for c in name])
+    return name[: np.searchsorted(lengths, most, side="right")]
+
+
+def with_short_names(grid: Grid, warnings: list[str]) -> Grid:
+    """Replaces names of data that are too long for legacy files by shorter ones, each different from all others."""
+    names = dict.fromkeys([*grid.point_data, *grid.cell_data])
+    short = {name: name for name in names if written_length(name) <= LEGACY_NAME}
+    for name in names:
+        if name in short:
+            continue
+        chosen, number = start_of(name, LEGACY_NAME), 2
+        while chosen in names or chosen in short.values():
+            end = f"~{number}"
+            chosen, number = start_of(name, LEGACY_NAME - len(end)) + end, number + 1
+        short[name] = chosen
+        warnings.append(f'the name of the data "{name}" is longer than the format allows; it is shortened to "{chosen}"')
+    return grid._replace(point_data={short[name]: values for name, values in grid.point_data.items()},
+                         cell_data={short[name]: values for name, values in grid.cell_data.items()})
+
+
+def save(file: str, grid: Grid, warnings: list[str]) -> None:
     """Writes cells in their order; `rows` are not used."""
+    if file.endswith(".vtk"):
+        grid = with_short_names(grid, warnings)
     if check(file) == "pyvista":
         import pyvista as pv
 
@@ -158,7 +196,7 @@ def run(verb: str, file: str) -> Writer:
     error = ""
     try:
         if verb == "read":
-            encode(load(file), warnings, mesh)
+            encode(load(file, warnings), warnings, mesh)
         elif verb == "check":
             check(file)
         elif verb == "times":
@@ -167,7 +205,7 @@ def run(verb: str, file: str) -> Writer:
             stream = Reader(read_all())
             if stream.number("Q") != VERSION:
                 raise Refused("the plugin is of another build; install tetune again")
-            save(file, decode(stream, warnings))
+            save(file, decode(stream, warnings), warnings)
     except Refused as e:
         error = str(e)
     except MemoryError:

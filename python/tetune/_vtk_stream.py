@@ -185,8 +185,9 @@ def without_middles(grid: Grid) -> tuple[Grid, bool, Any, Any]:
         raise Refused(f"the tetrahedra are of first order, but cells of type {others[0]} have mid-side nodes; give the "
                       "tetrahedra mid-side nodes, or take those of the other cells out")
     end, node = np.concatenate(ends), np.concatenate(nodes)
-    new = np.cumsum(~np.isin(np.arange(len(grid.points)), node)) - 1
-    kept = ~np.isin(np.arange(len(grid.points)), node)
+    kept = np.ones(len(grid.points), bool)
+    kept[node] = False
+    new = np.cumsum(kept) - 1
     a, b, middle = grid.points[end[:, 0]], grid.points[end[:, 1]], grid.points[node]
     off = np.linalg.norm(middle - (a + b) / 2, axis=1)
     pairs_of, first_at = np.unique(np.sort(new[end], axis=1), axis=0, return_index=True)
@@ -276,11 +277,13 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     point_data = s.data()
     for kind in ("tet", "triangle", "edge"):
         blocks[kind][2] = s.data()
+    has_names = False
     for _ in range(s.number("Q")):
         s.number("i"), s.number("i")
-        if s.text():
-            warnings[:] = ["the format cannot hold the names of groups"]
+        has_names |= s.text() != ""
         s.items("i4")
+    if has_names:
+        warnings.append("the format cannot hold the names of groups")
     for _ in range(s.number("Q")):
         s.number("i"), s.number("i"), s.number("i"), s.items("f8"), s.items("i4", 2)
     point_name, cell_name, _ = s.text(), s.text(), s.text()
