@@ -38,6 +38,26 @@ void answer(const std::string& error, const Warnings& warnings, const AnswerBody
   if (body) body(out);
 }
 
+/// The input in the channel, mapped into memory.
+class MappedInput {
+ public:
+  MappedInput() {
+    struct stat info {};
+    if (::fstat(kPluginDescriptor, &info) != 0) throw FileError("started without a channel");
+    size_ = std::size_t(info.st_size);
+    memory_ = ::mmap(nullptr, size_, PROT_READ, MAP_SHARED, kPluginDescriptor, 0);
+    if (memory_ == MAP_FAILED) throw FileError("started without input");
+  }
+  ~MappedInput() { ::munmap(memory_, size_); }
+  MappedInput(const MappedInput&) = delete;
+  MappedInput& operator=(const MappedInput&) = delete;
+  std::string_view bytes() const { return {static_cast<const char*>(memory_), size_}; }
+
+ private:
+  void* memory_ = nullptr;
+  std::size_t size_ = 0;
+};
+
 const char* file_to_delete = nullptr;
 pid_t parent = 0;
 
@@ -54,17 +74,12 @@ void ChannelSink::operator()(const void* data, std::size_t bytes) const {
 }
 
 void receive(const std::function<void(MeshReader&)>& decode) {
-  struct stat info {};
-  if (::fstat(kPluginDescriptor, &info) != 0) throw FileError("started without a channel");
-  const std::size_t size(info.st_size);
-  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, kPluginDescriptor, 0);
-  if (memory == MAP_FAILED) throw FileError("started without input");
-  MeshReader in({static_cast<const char*>(memory), size});
+  const MappedInput input;
+  MeshReader in(input.bytes());
   std::uint64_t version = 0;
   in(version);
   if (version != kStreamVersion) throw FileError("the plugin is of another build; install tetune again");
   decode(in);
-  ::munmap(memory, size);
 }
 
 bool has_channel() {

@@ -15,10 +15,10 @@ namespace {
 
 /// Throws FileError unless an .msh file starts as one: Gmsh runs any other file as a script.
 void check_start(const std::string& file, const std::string& ending) {
+  if (ending != ".msh") return;
   std::ifstream in(file, std::ios::binary);
   std::string start(12, '\0');
   in.read(start.data(), std::ssize(start));
-  if (ending != ".msh") return;
   for (const char* known : {"$MeshFormat", "$Comments", "$NOD"}) {
     if (start.rfind(known, 0) == 0) return;
   }

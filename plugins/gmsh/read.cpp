@@ -123,8 +123,9 @@ class Reader {
     gmsh::model::mesh::getElements(types, elements, corners, dimension, entity);
     if (types.empty()) return;
     const int tag = tag_of(dimension, entity);
-    for (std::size_t i = 0; i < types.size(); ++i)
+    for (std::size_t i = 0; i < types.size(); ++i) {
       read_elements(nodes, types[i], elements[i], corners[i], tag, dimension, entity);
+    }
   }
 
   void read_elements(const Numbers& nodes, int type, const std::vector<std::size_t>& elements,

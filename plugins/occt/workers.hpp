@@ -6,6 +6,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -43,10 +44,16 @@ class Workers {
         next = chunks;
       }
     };
-    std::vector<std::thread> others;
-    for (std::size_t i = 1; i < used; ++i) others.emplace_back(work, std::ref(*nearest_[i]));
-    work(own());
-    for (std::thread& thread : others) thread.join();
+    {
+      std::vector<std::jthread> others;
+      others.reserve(used);
+      try {
+        for (std::size_t i = 1; i < used; ++i) others.emplace_back(work, std::ref(*nearest_[i]));
+      } catch (const std::system_error&) {
+        // The system refused a thread: those that started do all chunks.
+      }
+      work(own());
+    }
     if (error) std::rethrow_exception(error);
   }
 
