@@ -63,11 +63,8 @@ CriteriaReport improve_towards(TetMesh& mesh, const nb::object& criteria, const 
   const AcceptanceCriteria parsed = criteria_of(criteria);
   const Options parsed_options = parse_options(options);
   const Context context = context_of(std::move(progress));
-  CriteriaReport report = [&] {
-    const nb::gil_scoped_release release;
-    return optimize_towards(mesh, parsed, parsed_options, context);
-  }();
-  for (const std::string& text : report.optimization.warnings) warn(text);
+  CriteriaReport report = without_gil([&] { return optimize_towards(mesh, parsed, parsed_options, context); });
+  warn(report.optimization.warnings);
   return report;
 }
 

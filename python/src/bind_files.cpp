@@ -20,21 +20,15 @@ namespace {
 
 TetMesh read_file(const std::filesystem::path& path, int threads) {
   std::vector<std::string> warnings;
-  TetMesh mesh = [&] {
-    const nb::gil_scoped_release release;
-    return read_mesh(file_name(path), &warnings, threads);
-  }();
-  for (const std::string& text : warnings) warn(text);
+  TetMesh mesh = without_gil([&] { return read_mesh(file_name(path), &warnings, threads); });
+  warn(warnings);
   return mesh;
 }
 
 void write_file(const std::filesystem::path& path, const TetMesh& mesh, int threads) {
   std::vector<std::string> warnings;
-  {
-    const nb::gil_scoped_release release;
-    write_mesh(file_name(path), mesh, threads, &warnings);
-  }
-  for (const std::string& text : warnings) warn(text);
+  without_gil([&] { write_mesh(file_name(path), mesh, threads, &warnings); });
+  warn(warnings);
 }
 
 std::vector<std::pair<double, std::string>> read_times(const std::filesystem::path& path) {

@@ -28,11 +28,9 @@ GeometryReport improve_on_geometry(TetMesh& mesh, const Geometry& geometry, cons
                                    nb::object progress) {
   const Options parsed = parse_options(options);
   const Context context = context_of(std::move(progress));
-  GeometryReport report = [&] {
-    const nb::gil_scoped_release release;
-    return optimize_on_geometry(mesh, geometry, parsed, {.snap = snap}, context);
-  }();
-  for (const std::string& text : report.optimization.warnings) warn(text);
+  GeometryReport report =
+      without_gil([&] { return optimize_on_geometry(mesh, geometry, parsed, {.snap = snap}, context); });
+  warn(report.optimization.warnings);
   return report;
 }
 

@@ -23,11 +23,8 @@ void set_points(LiveMesh& live, const std::vector<Index>& vertices, nb::object p
 
 Report optimize_live(LiveMesh& live, bool all, nb::object progress) {
   const Context context = context_of(std::move(progress));
-  Report report = [&] {
-    const nb::gil_scoped_release release;
-    return all ? live.optimize_all(context) : live.optimize(context);
-  }();
-  for (const std::string& text : report.warnings) warn(text);
+  Report report = without_gil([&] { return all ? live.optimize_all(context) : live.optimize(context); });
+  warn(report.warnings);
   return report;
 }
 
@@ -35,11 +32,8 @@ MoveReport move_live(LiveMesh& live, nb::object target, nb::object progress) {
   VertexTargets parsed;
   assign("to", std::move(target), parsed);
   const Context context = context_of(std::move(progress));
-  MoveReport report = [&] {
-    const nb::gil_scoped_release release;
-    return live.move(parsed, context);
-  }();
-  for (const std::string& text : report.optimization.warnings) warn(text);
+  MoveReport report = without_gil([&] { return live.move(parsed, context); });
+  warn(report.optimization.warnings);
   return report;
 }
 

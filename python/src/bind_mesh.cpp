@@ -94,10 +94,7 @@ void construct(TetMesh* place, nb::object points, nb::object tets, nb::object po
   fill_tags(mesh.tet_tags, mesh.tets.size());
   fill_tags(mesh.triangle_tags, mesh.triangles.size());
   fill_tags(mesh.edge_tags, mesh.edges.size());
-  const std::int64_t turned = [&mesh] {
-    const nb::gil_scoped_release release;
-    return orient_uniformly(mesh);
-  }();
+  const std::int64_t turned = without_gil([&] { return orient_uniformly(mesh); });
   if (turned > 0 && !mesh.listed_inside_out) {
     warn(std::to_string(turned) + " tetrahedra were listed inside out, unlike their neighbors: they were reversed");
   }

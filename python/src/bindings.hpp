@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "tetune/context.hpp"
 #include "tetune/mesh.hpp"
@@ -20,6 +21,15 @@ namespace tetune::python {
 
 /// Issues a UserWarning.
 void warn(const std::string& text);
+/// Issues a UserWarning for each text.
+void warn(const std::vector<std::string>& texts);
+
+/// Returns f(), which is called without the GIL.
+template <class F>
+auto without_gil(const F& f) {
+  const nanobind::gil_scoped_release release;
+  return f();
+}
 
 /// The name of a file for the library, of an argument that is a str or os.PathLike.
 inline std::string file_name(const std::filesystem::path& path) {

@@ -10,6 +10,7 @@
 #include <exception>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -20,6 +21,10 @@ namespace tetune::python {
 
 void warn(const std::string& text) {
   if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw nb::python_error();
+}
+
+void warn(const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) warn(text);
 }
 
 Context context_of(nb::object progress) {
@@ -45,11 +50,8 @@ namespace {
 Report improve(TetMesh& mesh, const nb::dict& options, nb::object progress) {
   const Options parsed = parse_options(options);
   const Context context = context_of(std::move(progress));
-  Report report = [&] {
-    const nb::gil_scoped_release release;
-    return optimize(mesh, parsed, context);
-  }();
-  for (const std::string& text : report.warnings) warn(text);
+  Report report = without_gil([&] { return optimize(mesh, parsed, context); });
+  warn(report.warnings);
   return report;
 }
 
@@ -58,21 +60,15 @@ MoveReport move_mesh(TetMesh& mesh, const nb::list& targets, const nb::dict& opt
   for (const nb::handle target : targets) assign("targets", target, parsed.emplace_back());
   const Options parsed_options = parse_options(options);
   const Context context = context_of(std::move(progress));
-  MoveReport report = [&] {
-    const nb::gil_scoped_release release;
-    return move(mesh, parsed, parsed_options, context);
-  }();
-  for (const std::string& text : report.optimization.warnings) warn(text);
+  MoveReport report = without_gil([&] { return move(mesh, parsed, parsed_options, context); });
+  warn(report.optimization.warnings);
   return report;
 }
 
 nb::object surface_targets_of(const TetMesh& mesh, nb::object points, const std::vector<int>& patches) {
   std::vector<Point3> positions;
   assign("points", std::move(points), positions);
-  auto* targets = new VertexTargets([&] {
-    const nb::gil_scoped_release release;
-    return surface_targets(mesh, positions, patches);
-  }());
+  auto* targets = new VertexTargets(without_gil([&] { return surface_targets(mesh, positions, patches); }));
   return nb::cast(view(*targets, owner_of(targets)));
 }
 
@@ -146,10 +142,7 @@ nb::list carry(const TetMesh& mesh, nb::object vertex2original, const std::vecto
   std::vector<Index> original;
   assign("vertex2original", vertex2original, original);
   std::vector<DataArray> arrays = data_arrays(data);
-  {
-    const nb::gil_scoped_release release;
-    arrays = carry_point_data(arrays, original, mesh.points, mesh.tets);
-  }
+  arrays = without_gil([&] { return carry_point_data(arrays, original, mesh.points, mesh.tets); });
   return numpy_arrays(std::move(arrays));
 }
 
