@@ -17,23 +17,30 @@ void sort_unique(std::vector<T>& items) {
               items.end());
 }
 
-/// Adds elements to the arrays of a mesh.
+/// The arrays of a part for one kind of elements.
 template <std::size_t N>
-void add_elements(const std::vector<Element<N>>& elements, const IdMap& local, std::vector<std::array<Index, N>>& list,
-                  std::vector<int>& tags, std::vector<Id>& ids, std::vector<Index>& required,
-                  std::vector<Index>* ridges) {
-  list.reserve(elements.size());
-  tags.reserve(elements.size());
-  ids.reserve(elements.size());
+struct Arrays {
+  std::vector<std::array<Index, N>>& list;
+  std::vector<int>& tags;
+  std::vector<Id>& ids;
+  std::vector<Index>& required;
+  std::vector<Index>* ridges = nullptr;  ///< of edges
+};
+
+template <std::size_t N>
+void add_elements(const std::vector<Element<N>>& elements, const IdMap& local, const Arrays<N>& to) {
+  to.list.reserve(elements.size());
+  to.tags.reserve(elements.size());
+  to.ids.reserve(elements.size());
   for (const Element<N>& e : elements) {
-    const auto at = index_count(list);
+    const auto at = index_count(to.list);
     std::array<Index, N> v;
     for (std::size_t k = 0; k < N; ++k) v[k] = local[e.v[k]];
-    list.push_back(v);
-    tags.push_back(e.tag);
-    ids.push_back(e.id);
-    if ((e.flags & kRequired) != 0) required.push_back(at);
-    if (ridges != nullptr && (e.flags & kRidge) != 0) ridges->push_back(at);
+    to.list.push_back(v);
+    to.tags.push_back(e.tag);
+    to.ids.push_back(e.id);
+    if ((e.flags & kRequired) != 0) to.required.push_back(at);
+    if (to.ridges != nullptr && (e.flags & kRidge) != 0) to.ridges->push_back(at);
   }
 }
 
@@ -93,7 +100,7 @@ Part assemble(Pieces pieces) {
     if ((v.flags & kRequired) != 0) mesh.required_vertices.push_back(at);
   }
   const IdMap local(part.vertex_id);
-  add_elements(pieces.cells, local, mesh.tets, mesh.tet_tags, part.tet_id, mesh.required_tets, nullptr);
+  add_elements<4>(pieces.cells, local, {mesh.tets, mesh.tet_tags, part.tet_id, mesh.required_tets});
   add_lists(part, local, std::move(pieces.sides), std::move(pieces.lines));
   return part;
 }
@@ -102,8 +109,8 @@ void add_lists(Part& part, const IdMap& local, std::vector<Side> sides, std::vec
   TetMesh& mesh = part.mesh;
   sort_unique(sides);
   sort_unique(lines);
-  add_elements(sides, local, mesh.triangles, mesh.triangle_tags, part.triangle_id, mesh.required_triangles, nullptr);
-  add_elements(lines, local, mesh.edges, mesh.edge_tags, part.edge_id, mesh.required_edges, &mesh.ridges);
+  add_elements<3>(sides, local, {mesh.triangles, mesh.triangle_tags, part.triangle_id, mesh.required_triangles});
+  add_elements<2>(lines, local, {mesh.edges, mesh.edge_tags, part.edge_id, mesh.required_edges, &mesh.ridges});
 }
 
 Addressed address(const Part& part, const std::vector<int>& tet_to, int self) {

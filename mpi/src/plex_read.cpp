@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of a DMPlex that a rank has.
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -48,6 +49,7 @@ class PointLabels {
     labels.defaults = all_reduce(comm, defaults, MPI_MIN);
     // A value that DMPlexLabelComplete() restores from the closure of other points is no constraint of its own.
     for (auto& [point, values] : values_) {
+      std::sort(values.begin(), values.end());  // each rank has the values of a label in an order of its own
       std::erase_if(values, [this, at = point](const auto& v) {
         return item(labels_.completed, v.first) != 0 && implied_.count({at, v}) > 0;
       });
@@ -157,10 +159,11 @@ template <std::size_t N>
 void number_by_vertices(MPI_Comm comm, std::vector<Element<N>>& elements, Id& total) {
   std::vector<std::array<Id, N>> keys;
   std::vector<int> to;
+  const int ranks = size_of(comm);
   for (const Element<N>& e : elements) {
     keys.push_back(e.v);
     std::sort(keys.back().begin(), keys.back().end());
-    to.push_back(int(keys.back()[0] % size_of(comm)));
+    to.push_back(int(keys.back()[0] % ranks));
   }
   const Route route(comm, to);
   const auto received = route.send(keys);
@@ -251,10 +254,6 @@ Point3 coordinates_of(PetscSection section, const PetscScalar* values, PetscInt 
   check_petsc(PetscSectionGetOffset(section, vertex, &offset));
   return {PetscRealPart(values[offset]), PetscRealPart(values[offset + 1]), PetscRealPart(values[offset + 2])};
 }
-
-}  // namespace
-
-namespace {
 
 /// The tags of points.
 class PointTags {

@@ -73,11 +73,11 @@ class Program {
     if (a_.deviation_bound) options_.max_deviation = a_.deviation_bound->in(bounding_box_of_all(part));
     before_ = quality_of_all(comm_, part.mesh, 1);
 
-    const auto begin = Time::now();
+    start = Time::now();
     std::function<bool()> stop;
-    if (a_.time_limit) stop = [&] { return seconds_since(begin_) > *a_.time_limit; };
+    if (a_.time_limit) stop = [&] { return seconds_since(program_start_) > *a_.time_limit; };
     in_file([&] { report_ = optimize_parts(comm_, part, input.totals, options_, stop, kForm); });
-    optimize_seconds_ = seconds_since(begin);
+    optimize_seconds_ = seconds_since(start);
 
     after_ = quality_of_all(comm_, part.mesh, 1);
     if (!job_.report.empty()) first_cut_ = quality_of_all(comm_, at_first_cut(part), 1);
@@ -203,8 +203,7 @@ class Program {
     }
     text += fmt::format(
         "  {} ranks: read {:.2f} s, distributed {:.2f} s, optimized {:.2f} s, written {:.2f} s; largest memory of a "
-        "rank "
-        "{:.0f} MB\n",
+        "rank {:.0f} MB\n",
         report_.ranks, read_seconds_, distribute_seconds_, optimize_seconds_, write_seconds_,
         *std::max_element(memory_.begin(), memory_.end()));
     if (report_.stop == StopReason::cancelled) {
@@ -268,7 +267,7 @@ class Program {
   const cli::Job& job_;
   Options options_;
   bool first_;
-  Time::time_point begin_ = Time::now();
+  const Time::time_point program_start_ = Time::now();
   Quality before_, after_, first_cut_;
   DistributedReport report_;
   std::vector<double> memory_;
