@@ -20,24 +20,6 @@ Kind kind_of(int dimension, int type, const std::vector<std::array<Index, N>>& e
   return kind;
 }
 
-/// Assigns the elements of each tag to an entity with the number of the tag; where that is not possible, with minus
-/// that number, or with a free one. Returns the entities with their tags.
-std::map<int, int> entities_of_tags(std::vector<Kind>& kinds, int dimension, std::set<int> taken) {
-  std::set<int> tags;
-  for (const Kind& kind : kinds) {
-    if (kind.dimension == dimension) tags.insert(kind.tags->begin(), kind.tags->end());
-  }
-  std::map<int, int> tag2entity = numbers_of_tags(tags, std::move(taken), std::numeric_limits<int>::max());
-  std::map<int, int> entity2tag;
-  for (const auto& [tag, entity] : tag2entity) entity2tag[entity] = tag;
-  for (Kind& kind : kinds) {
-    if (kind.dimension != dimension) continue;
-    kind.entities.clear();
-    for (const int tag : *kind.tags) kind.entities.push_back(tag2entity[tag]);
-  }
-  return entity2tag;
-}
-
 }  // namespace
 
 std::vector<Kind> kinds_of(const TetMesh& mesh) {
@@ -67,10 +49,21 @@ std::vector<Kind> kinds_of(const TetMesh& mesh) {
 }
 
 std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups) {
+  std::set<int> tags;
+  for (const Kind& kind : kinds) {
+    if (kind.dimension == dimension) tags.insert(kind.tags->begin(), kind.tags->end());
+  }
   // add_groups() makes groups of such numbers.
   std::set<int> taken;
   for (const Group& group : groups) taken.insert(group.number);
-  return entities_of_tags(kinds, dimension, std::move(taken));
+  const std::map<int, int> tag2entity = numbers_of_tags(tags, std::move(taken), std::numeric_limits<int>::max());
+  std::map<int, int> entity2tag;
+  for (const auto& [tag, entity] : tag2entity) entity2tag[entity] = tag;
+  for (Kind& kind : kinds) {
+    if (kind.dimension != dimension) continue;
+    for (const int tag : *kind.tags) kind.entities.push_back(tag2entity.at(tag));
+  }
+  return entity2tag;
 }
 
 Boundaries::Boundaries(const std::vector<Kind>& kinds, int dimension, std::size_t vertices) {

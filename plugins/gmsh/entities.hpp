@@ -28,7 +28,8 @@ struct Kind {
 /// The elements of a mesh by kind.
 std::vector<Kind> kinds_of(const TetMesh& mesh);
 
-/// Assigns the elements of a dimension to entities of Gmsh; returns the entities with their tags.
+/// Assigns the elements of each tag of a dimension to an entity of Gmsh with the number of the tag; where that is not
+/// possible, with minus that number, or with a free one. Returns the entities with their tags.
 std::map<int, int> find_entities(std::vector<Kind>& kinds, int dimension, const std::vector<Group>& groups);
 
 /// For each entity of a dimension the entities of the dimension below that share a side with it.

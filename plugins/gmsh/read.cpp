@@ -116,46 +116,47 @@ class Reader {
     return groups;
   }
 
-  void read_entity(const Numbers& nodes, int dimension, int entity) {
+  struct Entity {
+    int number;
+    int tag;
+    bool has_several_groups;
+  };
+
+  void read_entity(const Numbers& nodes, int dimension, int number) {
     std::vector<int> types;
     std::vector<std::vector<std::size_t>> elements;
     std::vector<std::vector<std::size_t>> corners;
-    gmsh::model::mesh::getElements(types, elements, corners, dimension, entity);
+    gmsh::model::mesh::getElements(types, elements, corners, dimension, number);
     if (types.empty()) return;
-    const int tag = tag_of(dimension, entity);
-    for (std::size_t i = 0; i < types.size(); ++i) {
-      read_elements(nodes, types[i], elements[i], corners[i], tag, dimension, entity);
-    }
+    const Entity entity{number, tag_of(dimension, number), groups_of(dimension, number).size() > 1};
+    for (std::size_t i = 0; i < types.size(); ++i) read_elements(nodes, entity, types[i], elements[i], corners[i]);
   }
 
-  void read_elements(const Numbers& nodes, int type, const std::vector<std::size_t>& elements,
-                     const std::vector<std::size_t>& corners, int tag, int dimension, int entity) {
+  void read_elements(const Numbers& nodes, const Entity& entity, int type, const std::vector<std::size_t>& elements,
+                     const std::vector<std::size_t>& corners) {
     if (elements.empty()) return;
     const std::size_t each = corners.size() / elements.size();
     std::vector<Index> v(each);
     // Version 2.2 lists an element once for each of its groups.
-    const bool repeated = groups_of(dimension, entity).size() > 1;
     std::set<std::vector<std::size_t>> seen;
     for (std::size_t e = 0; e < elements.size(); ++e) {
-      if (repeated) {
-        const auto nodes_of_element = entry_of(corners, std::int64_t(e), each);
-        if (!seen.emplace(nodes_of_element.begin(), nodes_of_element.end()).second) continue;
-      }
+      const auto numbers = entry_of(corners, std::int64_t(e), each);
+      if (entity.has_several_groups && !seen.emplace(numbers.begin(), numbers.end()).second) continue;
       for (std::size_t k = 0; k < each; ++k) {
-        v[k] = nodes.find(corners[e * each + k]);
+        v[k] = nodes.find(numbers[k]);
         if (v[k] < 0) {
-          throw FileError("element " + std::to_string(elements[e]) + " has node " +
-                          std::to_string(corners[e * each + k]) + ", which does not exist");
+          throw FileError("element " + std::to_string(elements[e]) + " has node " + std::to_string(numbers[k]) +
+                          ", which does not exist");
         }
       }
-      add(type, v, elements[e], tag, entity);
+      add(type, v, elements[e], entity);
     }
   }
 
-  void add(int type, const std::vector<Index>& v, std::size_t element, int tag, int entity) {
+  void add(int type, const std::vector<Index>& v, std::size_t element, const Entity& entity) {
     const auto note = [&](FoundKind& kind, std::vector<int>& tags) {
-      tags.push_back(tag);
-      kind.geometrical.push_back(entity);
+      tags.push_back(entity.tag);
+      kind.geometrical.push_back(entity.number);
       kind.elements.push_back(element);
     };
     switch (type) {

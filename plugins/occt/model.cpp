@@ -90,6 +90,13 @@ TopoDS_Shape read_brep(const std::string& file) {
   return shape;
 }
 
+void sort_lists(std::vector<std::vector<int>>& lists) {
+  for (std::vector<int>& list : lists) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+}
+
 }  // namespace
 
 TopoDS_Shape read_shape(const std::string& file, Warnings& warnings) {
@@ -99,18 +106,6 @@ TopoDS_Shape read_shape(const std::string& file, Warnings& warnings) {
   if (ending == ".brep" || ending == ".brp") return read_brep(file);
   throw FileError("the ending is not one of CAD geometry: .step .stp .iges .igs .brep .brp");
 }
-
-namespace {
-
-template <class Map>
-void sort_lists(Map& lists) {
-  for (auto& list : lists) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-  }
-}
-
-}  // namespace
 
 LoadedModel summarize(const TopoDS_Shape& shape) {
   LoadedModel model;

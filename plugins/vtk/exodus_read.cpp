@@ -174,14 +174,12 @@ class ExodusReader {
 
   /// Reads a side set, whose sides of tetrahedra become listed triangles.
   void read_side_set(int id) {
-    std::int64_t n = 0;
-    const std::vector<int> entries = read_set(EX_SIDE_SET, id, n);
-    const std::size_t count(n);
+    const Set set = read_set(EX_SIDE_SET, id);
     const int tag = tag_of(id, "side set");
     std::int64_t left_out = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const int element = entries[i] - 1;
-      const int side = entries[count + i];
+    for (std::size_t i = 0; i < set.entries.size(); ++i) {
+      const std::int64_t element = std::int64_t{set.entries[i]} - 1;
+      const int side = set.sides[i];
       const Block* const block = block_of(element);
       if (block == nullptr) {
         throw FileError("side set " + std::to_string(id) + " has element " + std::to_string(element + 1) +
@@ -217,25 +215,26 @@ class ExodusReader {
     return element < block.first + block.elements ? &block : nullptr;
   }
 
-  std::vector<int> read_set(ex_entity_type type, int id, std::int64_t& count) const {
+  /// Elements and their sides, or nodes, from 1.
+  struct Set {
+    std::vector<int> entries, sides;
+  };
+
+  Set read_set(ex_entity_type type, int id) const {
     int n = 0;
     int factors = 0;
     file_.check(ex_get_set_param(file_.id(), type, id, &n, &factors), "read a set");
-    count = n;
-    std::vector<int> entries(std::size_t{2} * std::size_t(n));
-    if (n > 0) {
-      file_.check(ex_get_set(file_.id(), type, id, entries.data(), type == EX_SIDE_SET ? entries.data() + n : nullptr),
-                  "read a set");
-    }
-    return entries;
+    const std::size_t size(n);
+    Set set{std::vector<int>(size), std::vector<int>(type == EX_SIDE_SET ? size : 0)};
+    int* const sides = type == EX_SIDE_SET ? set.sides.data() : nullptr;
+    if (n > 0) file_.check(ex_get_set(file_.id(), type, id, set.entries.data(), sides), "read a set");
+    return set;
   }
 
   void read_node_set(int id) {
-    std::int64_t n = 0;
-    const std::vector<int> entries = read_set(EX_NODE_SET, id, n);
     std::vector<std::uint8_t> in_set(mesh_.points.size(), 0);
-    for (const int entry : std::span(entries).first(std::size_t(n))) {
-      const int v = entry - 1;
+    for (const int node : read_set(EX_NODE_SET, id).entries) {
+      const std::int64_t v = std::int64_t{node} - 1;
       if (v < 0 || v >= std::ssize(in_set)) {
         throw FileError("node set " + std::to_string(id) + " has node " + std::to_string(v + 1) +
                         ", which does not exist");

@@ -2,6 +2,7 @@
 #include "vtk_arrays.hpp"
 
 #include <vtkAOSDataArrayTemplate.h>
+#include <vtkSetGet.h>
 #include <vtkStringArray.h>
 #include <vtkType.h>
 
@@ -23,10 +24,12 @@ std::vector<T> values_of(vtkDataArray* array) {
   return values;
 }
 
-/// Converts to the integer type of the same width and sign.
+/// Converts to the type of numbers of the same width and sign.
 template <class From>
-DataValues integers_of(vtkDataArray* array) {
-  if constexpr (std::is_signed_v<From>) {
+DataValues numbers_of(vtkDataArray* array) {
+  if constexpr (std::is_floating_point_v<From>) {
+    return values_of<From, From>(array);
+  } else if constexpr (std::is_signed_v<From>) {
     if constexpr (sizeof(From) == 1) return values_of<std::int8_t, From>(array);
     if constexpr (sizeof(From) == 2) return values_of<std::int16_t, From>(array);
     if constexpr (sizeof(From) == 4) return values_of<std::int32_t, From>(array);
@@ -64,48 +67,7 @@ DataArray from_vtk(vtkDataArray* array) {
   result.name = array->GetName() != nullptr ? array->GetName() : "";
   result.components = array->GetNumberOfComponents();
   switch (array->GetDataType()) {
-    case VTK_DOUBLE:
-      result.values = values_of<double, double>(array);
-      break;
-    case VTK_FLOAT:
-      result.values = values_of<float, float>(array);
-      break;
-    case VTK_CHAR:
-      result.values = integers_of<char>(array);
-      break;
-    case VTK_SIGNED_CHAR:
-      result.values = integers_of<signed char>(array);
-      break;
-    case VTK_UNSIGNED_CHAR:
-      result.values = integers_of<unsigned char>(array);
-      break;
-    case VTK_SHORT:
-      result.values = integers_of<short>(array);
-      break;
-    case VTK_UNSIGNED_SHORT:
-      result.values = integers_of<unsigned short>(array);
-      break;
-    case VTK_INT:
-      result.values = integers_of<int>(array);
-      break;
-    case VTK_UNSIGNED_INT:
-      result.values = integers_of<unsigned int>(array);
-      break;
-    case VTK_LONG:
-      result.values = integers_of<long>(array);
-      break;
-    case VTK_UNSIGNED_LONG:
-      result.values = integers_of<unsigned long>(array);
-      break;
-    case VTK_LONG_LONG:
-      result.values = integers_of<long long>(array);
-      break;
-    case VTK_UNSIGNED_LONG_LONG:
-      result.values = integers_of<unsigned long long>(array);
-      break;
-    case VTK_ID_TYPE:
-      result.values = integers_of<vtkIdType>(array);
-      break;
+    vtkTemplateMacro(result.values = numbers_of<VTK_TT>(array));
     case VTK_BIT:
       result.values = bits_of(array);
       break;
