@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "box.hpp"
 #include "spatial_order.hpp"
 
 namespace tetune::plugin {
@@ -113,7 +114,7 @@ class Classifier {
     const gp_Pnt p = point(i);
     const double step = neighbor < 0 ? 0 : p.Distance(point(neighbor));
     for (int f = 1; f <= model_.faces(); ++f) {
-      if (!model_.is_first_face(f) || nearest.from_face_box(f, p) > radius(i)) continue;
+      if (!model_.is_first_face(f) || box_distance(model_.face_box(f), p) > radius(i)) continue;
       const NearFace* known = neighbor < 0 ? nullptr : find(neighbor, f);
       if (known != nullptr && known->distance - step > radius(i)) {
         item(near_, i).push_back({f, known->distance - step, {}});
@@ -129,7 +130,7 @@ class Classifier {
   double distance_from_model(NearestPoints& nearest, const gp_Pnt& p) {
     double least = kAnyRadius;
     for (int f = 1; f <= model_.faces(); ++f) {
-      if (nearest.from_face_box(f, p) < least) least = std::min(least, nearest.on_face(f, p, least).distance);
+      if (box_distance(model_.face_box(f), p) < least) least = std::min(least, nearest.on_face(f, p, least).distance);
     }
     return least;
   }
@@ -295,12 +296,15 @@ class Classifier {
   }
 
   void assign_model_vertices() {
+    std::vector<Index> candidates;
+    for (Index i = 0; i < index_count(q_.points); ++i) {
+      if (item(is_known_, i) && item(on_line_, i)) candidates.push_back(i);
+    }
     for (int v = 1; v <= model_.vertices(); ++v) {
       if (!model_.is_feature_vertex(v)) continue;
       Index best = -1;
       double least = kAnyRadius;
-      for (Index i = 0; i < index_count(q_.points); ++i) {
-        if (!item(is_known_, i) || !item(on_line_, i)) continue;
+      for (const Index i : candidates) {
         const double d = point(i).Distance(model_.vertex(v));
         if (d > radius(i) || d >= least || item(point2faces_, i) != model_.faces_of_vertex(v)) continue;
         least = d;

@@ -2,9 +2,7 @@
 #include "copies.hpp"
 
 #include <BRepAdaptor_Curve.hxx>
-#include <BRepBndLib.hxx>
 #include <BRep_Tool.hxx>
-#include <Bnd_Box.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -12,6 +10,7 @@
 #include <algorithm>
 #include <map>
 
+#include "box.hpp"
 #include "plugin.hpp"
 
 namespace tetune::plugin {
@@ -51,9 +50,7 @@ bool follow_each_other(const TopoDS_Edge& d, const TopoDS_Edge& e, double tolera
 }
 
 bool have_same_box(const TopoDS_Shape& f, const TopoDS_Shape& g, double tolerance) {
-  Bnd_Box a, b;
-  BRepBndLib::Add(f, a, Standard_False);
-  BRepBndLib::Add(g, b, Standard_False);
+  const Bnd_Box a = box_of(f), b = box_of(g);
   return a.CornerMin().Distance(b.CornerMin()) <= tolerance && a.CornerMax().Distance(b.CornerMax()) <= tolerance;
 }
 

@@ -20,6 +20,8 @@
 #include <fstream>
 #include <utility>
 
+#include "box.hpp"
+
 namespace tetune::plugin {
 namespace {
 
@@ -133,6 +135,8 @@ Model::Model(TopoDS_Shape shape) : shape_(std::move(shape)) {
   BRepBndLib::Add(shape_, box);
   constexpr double kSamePlace = 1e-7;  // of the diagonal
   first_ = find_copies(vertices_, edges_, faces_, kSamePlace * std::sqrt(box.SquareExtent()));
+  face_boxes_.resize(std::size_t(faces() + 1));
+  for (int f = 1; f <= faces(); ++f) item(face_boxes_, f) = box_of(face(f));
   list_boundaries();
   find_feature_edges();
   find_feature_vertices();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Bnd_Box.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
@@ -41,6 +42,7 @@ class Model {
   const TopoDS_Face& face(int i) const { return TopoDS::Face(faces_(i)); }
   /// The face that face i coincides with; 0 where there is no face i.
   int first_face(int i) const { return i >= 1 && i <= faces() ? item(first_.faces, i) : 0; }
+  const Bnd_Box& face_box(int i) const { return item(face_boxes_, i); }
   bool is_first_face(int i) const { return first_face(i) == i; }
   bool is_feature_edge(int i) const { return item(feature_edge_, i); }
   bool is_feature_vertex(int i) const { return item(feature_vertex_, i); }
@@ -58,6 +60,7 @@ class Model {
   TopoDS_Shape shape_;
   TopTools_IndexedMapOfShape vertices_, edges_, faces_;
   FirstCopies first_;
+  std::vector<Bnd_Box> face_boxes_;
   std::vector<char> feature_edge_, feature_vertex_;
   std::vector<std::vector<int>> edge2faces_, vertex2faces_;
   std::vector<std::vector<int>> face2edges_;  ///< all that are not degenerate, seams too

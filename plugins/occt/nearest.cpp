@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nearest.hpp"
 
-#include <BRepBndLib.hxx>
 #include <BRep_Tool.hxx>
 #include <ElCLib.hxx>
 #include <ElSLib.hxx>
 #include <algorithm>
 #include <cmath>
 
+#include "box.hpp"
+
 namespace tetune::plugin {
 namespace {
 
 constexpr double kSearchTolerance = 1e-10;
-
-Bnd_Box box_of(const TopoDS_Shape& shape) {
-  Bnd_Box box;
-  BRepBndLib::Add(shape, box, Standard_False);
-  return box;
-}
 
 void take_nearer(Foot& best, const gp_Pnt& point, const gp_Pnt& p, const std::optional<gp_Pnt2d>& uv = {}) {
   const double distance = point.Distance(p);
@@ -121,16 +116,6 @@ double refine_on_curve(const BRepAdaptor_Curve& curve, const gp_Pnt& p, double t
 
 }  // namespace
 
-double box_distance(const Bnd_Box& box, const gp_Pnt& p) {
-  const gp_Pnt low = box.CornerMin(), high = box.CornerMax();
-  double sum = 0;
-  for (int k = 1; k <= 3; ++k) {
-    const double d = std::max({low.Coord(k) - p.Coord(k), 0.0, p.Coord(k) - high.Coord(k)});
-    sum += d * d;
-  }
-  return std::sqrt(sum);
-}
-
 NearestPoints::NearestPoints(const Model& model)
     : model_(model), edges_(std::size_t(model.edges() + 1)), faces_(std::size_t(model.faces() + 1)) {}
 
@@ -151,15 +136,12 @@ NearestPoints::Face& NearestPoints::face(int i) {
   if (!f) {
     f = std::make_unique<Face>();
     f->surface.Initialize(model_.face(i), Standard_True);
-    f->box = box_of(model_.face(i));
     f->trim = std::make_unique<TrimTable>(model_.face(i), f->surface);
     f->is_elementary = elementary_foot(f->surface, gp_Pnt(0, 0, 0)).has_value();
     if (!f->is_elementary) sample(*f);
   }
   return *f;
 }
-
-double NearestPoints::from_face_box(int i, const gp_Pnt& p) { return box_distance(face(i).box, p); }
 
 Foot NearestPoints::on_edge(int i, const gp_Pnt& p) {
   Edge& e = edge(i);

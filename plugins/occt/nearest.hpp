@@ -27,9 +27,6 @@ struct Foot {
   std::optional<gp_Pnt2d> uv{};  ///< of a face; none on its boundary
 };
 
-/// Distance of a point from a box; 0 inside.
-double box_distance(const Bnd_Box& box, const gp_Pnt& p);
-
 /// Nearest points of the edges and faces of a model, to the last bits. The data of an entity that
 /// searches need are prepared by the first search on it. Not for concurrent calls.
 class NearestPoints {
@@ -42,8 +39,6 @@ class NearestPoints {
   /// may be off along the surface by this part of the distance, so that the distance is off by its square.
   Foot on_face(int face, const gp_Pnt& p, double radius, const std::optional<gp_Pnt2d>& guess = {},
                double precision = 0);
-  /// A lower bound of the distance from a face.
-  double from_face_box(int face, const gp_Pnt& p);
 
  private:
   struct Edge {
@@ -57,7 +52,6 @@ class NearestPoints {
     BRepAdaptor_Surface surface;
     std::unique_ptr<TrimTable> trim;
     std::unique_ptr<Extrema_ExtPS> search;
-    Bnd_Box box;
     bool is_elementary = false;
     std::vector<gp_Pnt> samples;      ///< on a grid of parameters; empty for elementary surfaces
     std::vector<gp_Pnt2d> sample_uv;  ///< their parameters
