@@ -55,7 +55,7 @@ class Collector {
     OutBlock& block = result_.blocks[at->second];
     for (const Index v : vertices) block.nodes.push_back(v + 1);
     if (middles_ != nullptr) {
-      for (const Pair& p : edges) block.nodes.push_back(middles_->of(vertices[p[0]], vertices[p[1]]) + 1);
+      for (const Pair& p : edges) block.nodes.push_back(middles_->of(item(vertices, p[0]), item(vertices, p[1])) + 1);
     }
     block.elements.push_back(element);
   }

@@ -224,7 +224,7 @@ class ExodusReader {
     int n = 0;
     int factors = 0;
     file_.check(ex_get_set_param(file_.id(), type, id, &n, &factors), "read a set");
-    const std::size_t size(n);
+    const auto size = std::size_t(n);
     Set set{std::vector<int>(size), std::vector<int>(type == EX_SIDE_SET ? size : 0)};
     int* const sides = type == EX_SIDE_SET ? set.sides.data() : nullptr;
     if (n > 0) file_.check(ex_get_set(file_.id(), type, id, set.entries.data(), sides), "read a set");

@@ -167,6 +167,7 @@ class Writer {
     if (sets.empty()) return;
     const auto values = [](std::vector<int>& list) { return list.empty() ? nullptr : list.data(); };
     std::vector<ex_set> written;
+    written.reserve(sets.size());
     for (OutSet& set : sets) {
       written.push_back({set.id, type, std::ssize(set.entries), 0, values(set.entries), values(set.sides), nullptr});
     }
