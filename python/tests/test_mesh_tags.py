@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which data of meshio and pyvista meshes are tags."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -28,9 +30,11 @@ def test_tags_choose_the_regions():
     assert area_after(known, tags=False) != pytest.approx(before, rel=1e-3)
     with pytest.raises(tetune.OptionError, match="tags is 'mat'; the cell data of this mesh are: material"):
         tetune.optimize(mesh, tags="mat")
-    half = meshio.Mesh(points, [("tetra", tets)], cell_data={"material": [region / 4]})
-    with pytest.raises(tetune.OptionError, match="not whole"):
-        tetune.optimize(half, tags="material")
+    unusable = [(region / 4, "not whole"), (np.where(region == 1, np.nan, 2), "not whole"), (region.astype(str), "no numbers")]
+    for values, message in unusable:
+        with warnings.catch_warnings(), pytest.raises(tetune.OptionError, match=message):
+            warnings.simplefilter("error")
+            tetune.optimize(meshio.Mesh(points, [("tetra", tets)], cell_data={"material": [values]}), tags="material")
     vectors = meshio.Mesh(points, [("tetra", tets)], cell_data={"material": [np.ones((len(tets), 3))]})
     with pytest.raises(tetune.OptionError, match="has 3 numbers per cell"):
         tetune.optimize(vectors, tags="material")

@@ -21,10 +21,10 @@ def _wants_page(words: list[str]) -> bool:
 
 
 def _run_program(words: list[str], environment: dict[str, str]) -> int:
-    """Runs the program and returns its exit code. It gets each SIGINT and SIGTERM once, on which it writes the mesh so far:
-    in a session of its own it does not get those of the terminal."""
+    """Runs the program and returns its exit code. It gets each SIGINT and SIGTERM once, on which it writes the mesh so far,
+    and SIGHUP: in a session of its own it does not get those of the terminal."""
     with subprocess.Popen([PROGRAM, *words], env=environment, start_new_session=True) as process:
-        before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
         for number, handler in before.items():
             if handler is not signal.SIG_IGN:
                 signal.signal(number, lambda number, _: process.send_signal(number))

@@ -45,7 +45,10 @@ def _as_tags(name: str, values: Any) -> Array:
     values = np.asarray(values)
     if values.ndim != 1:
         raise OptionError(f"tags is {name!r}, which has {values.shape[1]} numbers per cell; it must have one")
-    whole: Array = values.astype(np.int64)
+    if values.dtype.kind not in "biuf":
+        raise OptionError(f"tags is {name!r}, which holds no numbers; tags must be whole ones")
+    with np.errstate(invalid="ignore"):
+        whole: Array = values.astype(np.int64)
     if not np.array_equal(whole, values):
         raise OptionError(f"tags is {name!r}, which has numbers that are not whole; tags must be")
     return whole
