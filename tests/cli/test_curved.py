@@ -2,20 +2,11 @@
 """Curved second-order tetrahedra on the command line. Run: see cli_case.py."""
 
 import json
-import math
 import re
 
 import cli_case
-from cli_case import CliTest, cube
-
-# The order of the nodes of Gmsh's tetrahedra of ten nodes.
-EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3))
-
-
-def bend(p):
-    x, y, z = p
-    return (x + 0.08 * math.sin(2 * y), y + 0.05 * math.sin(3 * z), z + 0.06 * x * x)
-
+from cli_case import CliTest, cube, msh_text
+from second_order import EDGES, TET10, bend
 
 def curved_block(n=4, jitter=0.15, straight=False, bends=True):
     """A bent cube: the nodes of each tetrahedron, the positions, and the mid-side nodes of the surface; with straight
@@ -45,12 +36,7 @@ def curved_block(n=4, jitter=0.15, straight=False, bends=True):
 
 
 def write_msh(path, nodes, points):
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]
-    lines += [f"{i + 1} {p[0]!r} {p[1]!r} {p[2]!r}" for i, p in enumerate(points)]
-    lines += ["$EndNodes", "$Elements", str(len(nodes))]
-    lines += [f"{i + 1} 11 2 1 1 " + " ".join(str(v + 1) for v in row) for i, row in enumerate(nodes)]
-    lines += ["$EndElements", ""]
-    path.write_text("\n".join(lines))
+    path.write_text(msh_text(points, [(TET10, 1, row) for row in nodes]))
 
 
 def read_nodes(path):

@@ -6,11 +6,11 @@ from collections import Counter
 from itertools import combinations
 
 import cli_case
-from cli_case import CliTest, cube
-from test_curved import EDGES, bend
+from cli_case import CliTest, cube, msh_text
+from second_order import EDGES, TET10, bend
 
 PRISM_EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5))  # in Gmsh's order
-TET10, PRISM15 = 11, 18
+PRISM15 = 18  # Gmsh's number
 
 
 def hybrid(n=4, bends=True):
@@ -45,18 +45,14 @@ def hybrid(n=4, bends=True):
                 face.reverse()
             elements.append((PRISM15, second_order([below[v] for v in face] + face, PRISM_EDGES)))
     if bends:
-        points = [tuple(round(x, 12) for x in bend(p)) for p in points]  # decks hold 20 characters
+        points = [bend(p) for p in points]
         for a, b in inside:
             points[middles[a, b]] = tuple(round((p + q) / 2, 12) for p, q in zip(points[a], points[b]))
     return elements, points
 
 
 def write_msh(path, elements, points):
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]
-    lines += [f"{i + 1} {p[0]!r} {p[1]!r} {p[2]!r}" for i, p in enumerate(points)]
-    lines += ["$EndNodes", "$Elements", str(len(elements))]
-    lines += [f"{i + 1} {kind} 2 {kind} {kind} " + " ".join(str(v + 1) for v in row) for i, (kind, row) in enumerate(elements)]
-    path.write_text("\n".join([*lines, "$EndElements", ""]))
+    path.write_text(msh_text(points, [(kind, kind, row) for kind, row in elements]))
 
 
 def nodes_of(path, kind):
