@@ -114,9 +114,9 @@ TEST(Optimize, TheSurfaceKeepsItsSizes) {
         }
         if (energy == Energy::shape) {
           EXPECT_LT(most, part * (1 + 1e-9));
-          EXPECT_GT(most, 0.9 * part) << "no vertex wanted to go far";
+          EXPECT_GT(most, 0.9 * part) << "no vertex reached its bound";
         } else if (relocation == Relocation::newton) {
-          EXPECT_GT(most, part) << "the harmonic energy has no leash";
+          EXPECT_GT(most, part) << "the harmonic energy has no bound on the displacement";
         }
       }
     }

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "math/vec3.hpp"
 #include "reference/generate.hpp"
 #include "tetune/mesh.hpp"
 
@@ -45,6 +46,8 @@ inline TetMesh three_tets(double apex_height) {
 }
 
 using reference::scrambled;
+
+inline Vec3 at(const TetMesh& mesh, Index vertex) { return vec(mesh.points[static_cast<std::size_t>(vertex)]); }
 
 inline Point3 centroid(const TetMesh& mesh, std::size_t tet) {
   Point3 sum{};
