@@ -307,7 +307,7 @@ TEST_F(Unv, EveryTruncationIsRefusedOrNamed) {
     const std::string found = error(text);
     if (!found.empty()) continue;
     read(text);
-    // Between data sets nothing says that another one was to follow.
+    // A file may end between data sets.
     EXPECT_TRUE(trimmed(text).ends_with("-1") || warned("cut short")) << text;
   }
 }
