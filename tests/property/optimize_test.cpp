@@ -191,10 +191,7 @@ TEST(Optimize, IsTheSameForAnyNumberOfThreads) {
 TEST(Optimize, ARescaledMeshGivesTheSameMeshRescaled) {
   for (const double scale : {1000.0, 1e-3, 1e-100, 1e100}) {
     TetMesh plain = test::scrambled(test::cube(8, 0.2), 2);
-    TetMesh scaled = plain;
-    for (Point3& p : scaled.points) {
-      for (double& x : p) x *= scale;
-    }
+    TetMesh scaled = test::scaled(plain, scale);
     optimize(plain);
     optimize(scaled);
     EXPECT_EQ(plain.tets, scaled.tets);

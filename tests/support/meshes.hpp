@@ -60,6 +60,14 @@ inline Point3 centroid(const TetMesh& mesh, std::size_t tet) {
 /// An n x n x n cube of unit edge: see reference::lattice().
 inline TetMesh cube(int n, double jitter = 0, std::uint32_t seed = 1) { return reference::lattice(n, jitter, seed); }
 
+/// Multiplies all coordinates by a factor.
+inline TetMesh scaled(TetMesh mesh, double factor) {
+  for (Point3& p : mesh.points) {
+    for (double& x : p) x *= factor;
+  }
+  return mesh;
+}
+
 /// Applies the affine map x += shear * y, which preserves all volumes.
 inline TetMesh sheared(TetMesh mesh, double shear) {
   for (Point3& p : mesh.points) p[0] += shear * p[1];

@@ -28,13 +28,6 @@ TetMesh regular() {
   return test::with_tags(m);
 }
 
-TetMesh scaled(TetMesh mesh, double factor) {
-  for (Point3& p : mesh.points) {
-    for (double& x : p) x *= factor;
-  }
-  return mesh;
-}
-
 CriterionResult result_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, int threads = 1) {
   return check(mesh, {"test", {criterion}}, threads).results.at(0);
 }
@@ -91,7 +84,7 @@ TEST(CheckMeasures, VolumesBeyondTheRangeOfDoublesAreItsEnds) {
   for (const auto& [scale, expected] : {std::pair{1e-149, std::numeric_limits<double>::min()},
                                         {1e-101, worst(cube, CheckMeasure::volume) * 1e-101 * 1e-101 * 1e-101},
                                         {1e149, std::numeric_limits<double>::max()}}) {
-    TetMesh mesh = scaled(cube, scale);
+    TetMesh mesh = test::scaled(cube, scale);
     EXPECT_NEAR(worst(mesh, CheckMeasure::volume) / expected, 1, 1e-12) << scale;
     for (const AcceptanceCriteria& preset : preset_criteria()) {
       if (preset.name == "calculix" && scale < 1) continue;  // its limit is no sign
@@ -135,7 +128,7 @@ TEST(CheckMeasures, EquiangleSkewCountsDihedralAngles) {
 
 TEST(CheckMeasures, CornerOfACube) {
   for (const double scale : {1.0, 1e-90, 1e90}) {
-    const TetMesh mesh = scaled(test::one_tet(), scale);
+    const TetMesh mesh = test::scaled(test::one_tet(), scale);
     for (const auto& [measure, expected] : {std::pair{CheckMeasure::min_face_angle, 45.0},
                                             {CheckMeasure::max_face_angle, 90.0},
                                             {CheckMeasure::equiangle_skew, 0.25},

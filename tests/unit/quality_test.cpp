@@ -53,11 +53,7 @@ TEST(Quality, DoesNotDependOnTheUnit) {
   const TetMesh m = test::cube(3, 0.2);
   const Quality one = quality(m);
   for (const double unit : {0x1p-400, 0x1p-60, 0x1p200, 0x1p400}) {
-    TetMesh scaled = m;
-    for (Point3& p : scaled.points) {
-      for (double& x : p) x *= unit;
-    }
-    const Quality q = quality(scaled);
+    const Quality q = quality(test::scaled(m, unit));
     EXPECT_EQ(q.dihedral_min, one.dihedral_min);
     EXPECT_EQ(q.mean_ratio, one.mean_ratio);
     EXPECT_EQ(q.eta_sum, one.eta_sum * unit);
