@@ -66,6 +66,16 @@ inline ::testing::AssertionResult contains(const std::string& text, const std::s
   return ::testing::AssertionFailure() << "\"" << part << "\" is not in \"" << text << "\"";
 }
 
+/// One of the texts contains the part.
+inline ::testing::AssertionResult contains(const std::vector<std::string>& texts, const std::string& part) {
+  std::string all;
+  for (const std::string& text : texts) {
+    if (contains(text, part)) return ::testing::AssertionSuccess();
+    all += "\n  " + text;
+  }
+  return ::testing::AssertionFailure() << "\"" << part << "\" is in none of:" << all;
+}
+
 /// Equal to the last bit: -0.0 and 0.0 differ.
 inline void expect_same(const TetMesh& a, const TetMesh& b) {
   ASSERT_EQ(a.points.size(), b.points.size());
