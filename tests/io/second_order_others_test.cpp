@@ -60,9 +60,7 @@ TEST_F(SecondOrderOthers, FormatsOfFirstOrderListTheVerticesWithAWarning) {
   for (const std::string name : {"a.mesh", "a.meshb", "a.su2"}) {
     std::vector<std::string> warnings;
     write_mesh(path(name), mixed(), 1, &warnings);
-    EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
-      return w.find("written as linear elements") != std::string::npos;
-    })) << name;
+    EXPECT_TRUE(contains(warnings, "written as linear elements")) << name;
     const TetMesh back = read_mesh(path(name), nullptr, 1);
     EXPECT_FALSE(back.second_order);
     std::size_t hexahedra = 0;
@@ -176,8 +174,7 @@ TEST_F(SecondOrderOthers, InDecksElementsWithAMidSideNodeThatIsAVertexAreHeld) {
   EXPECT_EQ(m.required_vertices.size(), 20U);
   std::vector<std::string> warnings;
   write_mesh(path("c.msh"), m, 1, &warnings);
-  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
-                          [](const std::string& w) { return contains(w, "nor its elements of other types (1)"); }));
+  EXPECT_TRUE(contains(warnings, "nor its elements of other types (1)"));
 }
 
 TEST_F(SecondOrderOthers, InDecksElementsWithAVertexTwiceAreHeld) {
