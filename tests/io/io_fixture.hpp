@@ -56,6 +56,19 @@ class IoTest : public ::testing::Test {
     }
     return "";
   }
+  /// The lengths to which a file can be cut so that reading it gives neither an error nor a warning.
+  std::vector<std::size_t> silent_cuts(const std::string& name, const std::string& whole) const {
+    std::vector<std::size_t> silent;
+    for (std::size_t n = 0; n < whole.size(); ++n) {
+      std::vector<std::string> warnings;
+      try {
+        read_mesh(put(name, whole.substr(0, n)), &warnings, 1);
+        if (warnings.empty()) silent.push_back(n);
+      } catch (const FileError&) {
+      }
+    }
+    return silent;
+  }
 
  private:
   std::filesystem::path folder_;
