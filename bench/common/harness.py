@@ -8,7 +8,6 @@ import pathlib
 import platform
 import shutil
 import signal
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -91,16 +90,6 @@ def failure(record):
         lines = record["output"].strip().splitlines()
         return f"exit code {record['code']}" + (f": {lines[-1].strip()[:120]}" if lines else "")
     return None
-
-
-def repeat(command, runs, **kwargs):
-    """Runs a command several times; the last run's record with the median of the seconds and all of them."""
-    records = [run(command, **kwargs) for _ in range(runs)]
-    record = records[-1]
-    record["all_seconds"] = [r["seconds"] for r in records]
-    record["seconds"] = statistics.median(record["all_seconds"])
-    record["peak_mib"] = max(r["peak_mib"] for r in records)
-    return record
 
 
 def info(mesh):

@@ -4,7 +4,7 @@
 //   bench_gpu parity [FILE ...]              both backends on small meshes: exit code 1 if they differ
 //   bench_gpu small                          small meshes that run all kernels, for compute-sanitizer
 //   bench_gpu mesh TETS|FILE RUNS            times of valid results; TETS: the approximate size of a generated mesh
-//   bench_gpu count TETS|FILE fixed|preserve|slide fast|default|best
+//   bench_gpu count TETS|FILE fixed|preserve|slide fast|standard|best
 //                                            one run alone, compared with the CPU's: for bench/gpu/model and for
 //                                            profilers
 #include <algorithm>
@@ -214,19 +214,10 @@ void run_on_gpu(TetMesh mesh, Options options) {
   check_valid(mesh, "a mesh by the GPU");
 }
 
-template <class T>
-T value_named(const std::string& name, const std::map<std::string, T>& values) {
-  const auto found = values.find(name);
-  if (found == values.end()) fail(name + " is no option");
-  return found->second;
-}
-
 void run_once_and_compare(const std::string& source, const std::string& boundary, const std::string& effort) {
   Options options;
-  options.boundary = value_named<Boundary>(
-      boundary, {{"fixed", Boundary::fixed}, {"preserve", Boundary::preserve}, {"slide", Boundary::slide}});
-  options.effort =
-      value_named<Effort>(effort, {{"fast", Effort::fast}, {"default", Effort::standard}, {"best", Effort::best}});
+  set_option(options, "boundary", boundary);
+  set_option(options, "effort", effort);
   TetMesh on_gpu = load_or_generate(source);
   TetMesh on_cpu = on_gpu;
   const Report cpu = optimize(on_cpu, options);
@@ -285,7 +276,7 @@ void require_gpu() { run_on_gpu(reference::lattice(1), {}); }
 int usage() {
   std::fprintf(stderr,
                "usage: bench_gpu ceilings | parity [FILE ...] | small | mesh TETS|FILE RUNS |\n"
-               "       count TETS|FILE fixed|preserve|slide fast|default|best\n");
+               "       count TETS|FILE fixed|preserve|slide fast|standard|best\n");
   return 2;
 }
 

@@ -56,8 +56,8 @@ void per_item(benchmark::State& state, const char* item, Size items) {
 
 /// The limits of the machine, measured once for each number of threads.
 struct Ceilings {
-  double bytes_a_second;
-  double flops_a_second;
+  double bytes_per_second;
+  double flops_per_second;
 };
 
 struct CopyKernel {
@@ -128,13 +128,13 @@ void roofline(benchmark::State& state, double bytes, double flops = 0) {
   const auto rate = [](double each) { return benchmark::Counter(each, benchmark::Counter::kIsIterationInvariantRate); };
   state.counters["GB/s"] = rate(1e-9 * bytes);
   if (flops > 0) state.counters["Gflop/s"] = rate(1e-9 * flops);
-  state.counters["of roof"] = rate(std::max(bytes / top.bytes_a_second, flops / top.flops_a_second));
+  state.counters["of roof"] = rate(std::max(bytes / top.bytes_per_second, flops / top.flops_per_second));
 }
 
 void Machine(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(ceilings(thread_count(state)));
-  state.counters["GB/s"] = 1e-9 * ceilings(thread_count(state)).bytes_a_second;
-  state.counters["Gflop/s"] = 1e-9 * ceilings(thread_count(state)).flops_a_second;
+  state.counters["GB/s"] = 1e-9 * ceilings(thread_count(state)).bytes_per_second;
+  state.counters["Gflop/s"] = 1e-9 * ceilings(thread_count(state)).flops_per_second;
 }
 
 void Sort(benchmark::State& state) {
@@ -144,7 +144,7 @@ void Sort(benchmark::State& state) {
     state.ResumeTiming();
     sort_mesh(threads(state), work);
   }
-  per_item(state, "a tet", std::ssize(input().tets));
+  per_item(state, "per tet", std::ssize(input().tets));
   roofline(state, tets() * (2 * sizeof(Tet) + sizeof(Index)) + vertices() * (2 * sizeof(Point) + sizeof(Index)));
 }
 
@@ -154,7 +154,7 @@ void Adjacency(benchmark::State& state) {
     const AdjacencyReport r = build_adjacency(threads(state), work);
     if (r.non_manifold_faces + r.misoriented_faces > 0) state.SkipWithError("broken adjacency");
   }
-  per_item(state, "a tet", work.slots());
+  per_item(state, "per tet", work.slots());
   roofline(state, tets() * (sizeof(Tet) + sizeof(FaceAdjacency)));
 }
 
@@ -163,11 +163,11 @@ void VertexRings(benchmark::State& state) {
   Rings<Cpu> rings;
   for (auto _ : state) build_rings(threads(state), work, rings);
   if (rings.faces.size() != 4 * work.slots()) state.SkipWithError("broken rings");
-  per_item(state, "a tet", work.slots());
+  per_item(state, "per tet", work.slots());
   roofline(state, tets() * sizeof(Tet) + ring_bytes(rings));
 }
 
-void Colouring(benchmark::State& state) {
+void VertexColoring(benchmark::State& state) {
   WorkMesh<Cpu> work = sorted();
   Rings<Cpu> rings;
   build_rings(Cpu(0), work, rings);
@@ -176,10 +176,10 @@ void Colouring(benchmark::State& state) {
   for (auto _ : state) {
     Coloring<Cpu> coloring;
     color_vertices(threads(state), rings.view(), Span<const VertexDof>(kind.span()), coloring);
-    if (coloring.vertices.size() != work.vertices()) state.SkipWithError("a vertex without colour");
-    state.counters["colours"] = coloring.colors();
+    if (coloring.vertices.size() != work.vertices()) state.SkipWithError("a vertex without a color");
+    state.counters["colors"] = coloring.colors();
   }
-  per_item(state, "a vertex", work.vertices());
+  per_item(state, "per vertex", work.vertices());
   roofline(state, ring_bytes(rings) + vertices() * 2 * sizeof(Index));
 }
 
@@ -199,8 +199,8 @@ void FirstFlipPass(benchmark::State& state) {
     state.counters["flips"] = double(r.counts.flips());
     state.ResumeTiming();
   }
-  per_item(state, "a tet", std::ssize(input().tets));
-  // Read, and for most written: a tetrahedron, its links, energy and slack; beside it the points.
+  per_item(state, "per tet", std::ssize(input().tets));
+  // Read, and written for most: each tetrahedron, its adjacency, energy and slack; read: the points.
   roofline(state, tets() * (sizeof(Tet) + sizeof(FaceAdjacency) + 2 * sizeof(double) + 2 * sizeof(float)) +
                       vertices() * sizeof(Point));
 }
@@ -235,8 +235,9 @@ void sweep_with(benchmark::State& state, const Step& step) {
     const SweepSum sum = sweep<SweepRing<Cpu>>(cpu, work, Criterion{}, {rings.view(), coloring, m}, step).get();
     if (!(sum.decrease > 0)) state.SkipWithError("the energy did not fall");
   }
-  per_item(state, "a vertex", coloring.vertices.size());
-  // Arithmetic of one visit: two passes over the ring, about 190 and 100 operations a tetrahedron, 23 of them a vertex.
+  per_item(state, "per vertex", coloring.vertices.size());
+  // Arithmetic of one visit: two passes over the ring, about 190 and 100 operations per tetrahedron, 23 of them per
+  // vertex.
   roofline(state, ring_bytes(rings) + vertices() * (2 * sizeof(Point) + sizeof(Index)),
            double(rings.faces.size()) * 290);
 }
@@ -247,32 +248,38 @@ std::string scratch(const char* ending) {
   return (std::filesystem::temp_directory_path() / ("tetune-bench-" + std::to_string(getpid()) + ending)).string();
 }
 
-void file_speed(benchmark::State& state, const char* ending, bool reading) {
-  const std::string path = scratch(ending);
-  write_mesh(path, input());
-  const auto bytes = double(std::filesystem::file_size(path));
-  for (auto _ : state) {
-    if (reading) {
-      if (read_mesh(path, nullptr, thread_count(state)).tets != input().tets)
-        state.SkipWithError("read something else");
-    } else {
-      write_mesh(path, input(), thread_count(state));
-    }
-  }
-  std::filesystem::remove(path);
+void count_bytes(benchmark::State& state, double bytes) {
   state.counters["MB/s"] = benchmark::Counter(1e-6 * bytes, benchmark::Counter::kIsIterationInvariantRate);
 }
-void ReadMesh(benchmark::State& state) { file_speed(state, ".mesh", true); }
-void ReadMeshb(benchmark::State& state) { file_speed(state, ".meshb", true); }
-void WriteMesh(benchmark::State& state) { file_speed(state, ".mesh", false); }
-void WriteMeshb(benchmark::State& state) { file_speed(state, ".meshb", false); }
+
+void read_speed(benchmark::State& state, const char* ending) {
+  const std::string path = scratch(ending);
+  write_mesh(path, input());
+  for (auto _ : state) {
+    if (read_mesh(path, nullptr, thread_count(state)).tets != input().tets) state.SkipWithError("read something else");
+  }
+  count_bytes(state, double(std::filesystem::file_size(path)));
+  std::filesystem::remove(path);
+}
+
+void write_speed(benchmark::State& state, const char* ending) {
+  const std::string path = scratch(ending);
+  for (auto _ : state) write_mesh(path, input(), thread_count(state));
+  count_bytes(state, double(std::filesystem::file_size(path)));
+  std::filesystem::remove(path);
+}
+
+void ReadMesh(benchmark::State& state) { read_speed(state, ".mesh"); }
+void ReadMeshb(benchmark::State& state) { read_speed(state, ".meshb"); }
+void WriteMesh(benchmark::State& state) { write_speed(state, ".mesh"); }
+void WriteMeshb(benchmark::State& state) { write_speed(state, ".meshb"); }
 
 #define TETUNE_BENCHMARK(name) BENCHMARK(name)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond)
 TETUNE_BENCHMARK(Machine);
 TETUNE_BENCHMARK(Sort);
 TETUNE_BENCHMARK(Adjacency);
 TETUNE_BENCHMARK(VertexRings);
-TETUNE_BENCHMARK(Colouring);
+TETUNE_BENCHMARK(VertexColoring);
 TETUNE_BENCHMARK(FirstFlipPass);
 TETUNE_BENCHMARK(NewtonSweep);
 TETUNE_BENCHMARK(GradientSweep);

@@ -40,9 +40,9 @@ def face_keys(triangles):
 
 
 def add_surfaces_to_volumes():
-    """Netgen needs to know each volume's surfaces, which a MEDIT file does not say, and crashes without. createTopology()
-    finds them, but refuses or hangs on lines that meet freely, and renumbers lines. So each volume is made anew, the
-    same but with its surfaces named."""
+    """Netgen requires the surfaces of each volume, which a MEDIT file does not have, and crashes without. createTopology()
+    finds them, but refuses or hangs on lines that meet freely, and renumbers lines. So each volume is replaced by one
+    with the same elements and its surfaces."""
     mesh = gmsh.model.mesh
     surfaces = [tag for _, tag in gmsh.model.getEntities(2)]
     if not surfaces:
@@ -52,19 +52,19 @@ def add_surfaces_to_volumes():
     owner, keys = numpy.repeat(surfaces, [len(k) for k in keys]), numpy.concatenate(keys)
     order = numpy.argsort(keys)
     owner, keys = owner[order], keys[order]
-    anew = []
+    described = []
     for volume in volumes():
         elements, nodes = mesh.getElementsByType(4, volume)
         corners = nodes.reshape(-1, 4)
         faces = numpy.concatenate([face_keys(numpy.delete(corners, k, axis=1)) for k in range(4)])
         place = numpy.minimum(numpy.searchsorted(keys, faces), len(keys) - 1)
         bounds = numpy.unique(owner[place[keys[place] == faces]])
-        anew.append((volume, bounds.tolist(), elements, nodes, *mesh.getNodes(3, volume)[:2]))
+        described.append((volume, bounds.tolist(), elements, nodes, *mesh.getNodes(3, volume)[:2]))
     gmsh.model.removeEntities(gmsh.model.getEntities(3))
-    for volume, bounds, _, _, node_tags, coordinates in anew:
+    for volume, bounds, _, _, node_tags, coordinates in described:
         gmsh.model.addDiscreteEntity(3, volume, bounds)
         mesh.addNodes(3, volume, node_tags, coordinates)
-    for volume, _, elements, nodes, _, _ in anew:
+    for volume, _, elements, nodes, _, _ in described:
         mesh.addElementsByType(volume, 4, elements, nodes)
 
 

@@ -50,6 +50,10 @@ class Su2Reader {
     }
     mesh_.tet_tags.assign(mesh_.tets.size(), 0);
     mesh_.point_tags.assign(mesh_.points.size(), 0);
+    if (marker_ < markers_) {
+      context_.warn(path_ + ": " + std::to_string(marker_) + " of " + std::to_string(markers_) +
+                    " markers (NMARK=) are there; the file may be cut short");
+    }
     for (const std::string& name : skipped_) context_.warn(path_ + ": the section " + name + " is not kept");
     return std::move(mesh_);
   }
@@ -101,6 +105,7 @@ class Su2Reader {
     } else if (name == "MARKER_TAG") {
       read_marker();
     } else {
+      if (name == "NMARK") markers_ = cursor_.integer("number of markers");
       skip(name);
     }
   }
@@ -188,7 +193,8 @@ class Su2Reader {
   const std::string& path_;
   const IoContext& context_;
   TetMesh mesh_;
-  int marker_ = 0;
+  int marker_ = 0;            ///< the number of the last marker read
+  std::int64_t markers_ = 0;  ///< their number by NMARK=
   bool has_points_ = false, has_elements_ = false;
   std::set<std::string> skipped_;
 };

@@ -86,7 +86,7 @@ TEST_F(OnGeometry, VerticesOfPointElementsEndOnIt) {
     }
   }
 
-  // What else holds them is not moved, and named.
+  // Vertices that are held otherwise are not moved, and the report has their number.
   mesh = input;
   mesh.required_vertices = {points.element2vertex[0], points.element2vertex[1]};
   const GeometryReport held = optimize_on_geometry(mesh, plate(), sliding());

@@ -18,6 +18,7 @@
 #include <TColgp_HArray1OfPnt.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace {
@@ -27,7 +28,7 @@ TopoDS_Shape spline_prism() {
   constexpr int kPoints = 24;
   const Handle(TColgp_HArray1OfPnt) points = new TColgp_HArray1OfPnt(1, kPoints);
   for (int i = 0; i < kPoints; ++i) {
-    const double t = 2 * M_PI * i / kPoints;
+    const double t = 2 * std::numbers::pi * i / kPoints;
     const double r = 1 + 0.2 * std::cos(3 * t);
     points->SetValue(i + 1, gp_Pnt(r * std::cos(t), r * std::sin(t), 0));
   }

@@ -10,6 +10,7 @@ import os
 import random
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -17,9 +18,9 @@ import unittest
 from pathlib import Path
 
 TETUNE = ""
-HANG = 300  # seconds; no machine is so busy that a process of these tests takes longer
+HANG = 300  # seconds: more than a process of these tests takes, also on a busy machine
 
-# Jobs in the background of a shell ignore it, and hand that on.
+# Jobs in the background of a shell ignore it, and so do the processes that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 QUALITY_KEYS = {"tetrahedra", "dihedral_min_deg", "dihedral_1_percent_deg", "dihedral_5_percent_deg",
@@ -94,8 +95,8 @@ class Mesh:
 
 
 def cube(n, jitter=0.2, seed=1, two_regions=False):
-    """n^3 cells of six tetrahedra in the unit cube; inner vertices displaced; a tag a vertex. Two regions meet in a
-    plane, in which its vertices stay."""
+    """n^3 cells of six tetrahedra in the unit cube; inner vertices are displaced; five tags of vertices. Two regions meet
+    in a plane, in which its vertices stay."""
     rng = random.Random(seed)
     points = []
     for k in range(n + 1):
@@ -189,6 +190,46 @@ def with_triangles(mesh, triangles):
     return mesh.text().replace("End", "\n".join(lines + ["End"]))
 
 
+def msh_text(points, elements, names="", data=""):
+    """A file of Gmsh, version 2.2. Each element has its type, its group and its nodes, counted from 0; `names` and `data`:
+    the sections before and after the mesh."""
+    nodes = "".join(f"{i} {x!r} {y!r} {z!r}\n" for i, (x, y, z) in enumerate(points, 1))
+    rows = "".join(f"{i} {kind} 2 {group} {group} " + " ".join(str(v + 1) for v in nodes_of_one) + "\n"
+                   for i, (kind, group, nodes_of_one) in enumerate(elements, 1))
+    return (f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{names}$Nodes\n{len(points)}\n{nodes}$EndNodes\n"
+            f"$Elements\n{len(elements)}\n{rows}$EndElements\n{data}")
+
+
+def vtk_bytes(points, tets, fields):
+    """A legacy VTK file; `fields`: name and rows of point data with three or one components. Binary, as VTK reads no NaN in
+    text."""
+    def numbers(code, rows):
+        flat = [x for row in rows for x in row]
+        return struct.pack(f">{len(flat)}{code}", *flat) + b"\n"
+
+    parts = ["# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n",
+             f"POINTS {len(points)} double\n", numbers("d", points),
+             f"CELLS {len(tets)} {5 * len(tets)}\n", numbers("i", [(4, *t) for t in tets]),
+             f"CELL_TYPES {len(tets)}\n", numbers("i", [(10,)] * len(tets)), f"POINT_DATA {len(points)}\n"]
+    for name, rows in fields:
+        kind = f"VECTORS {name} double\n" if len(rows[0]) == 3 else f"SCALARS {name} double 1\nLOOKUP_TABLE default\n"
+        parts += [kind, numbers("d", rows)]
+    return b"".join(part if isinstance(part, bytes) else part.encode() for part in parts)
+
+
+def start_and_kill(words, started):
+    """Starts a process with its standard error in a pipe, and kills it when started(process) returns. Waits until its
+    plugin has ended too."""
+    # A plugin's program ends soon after tetune: then no process holds the other end of this pipe any more.
+    alive, held = os.pipe()
+    with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, pass_fds=[held]) as process:
+        os.close(held)
+        started(process)
+        process.kill()
+    os.read(alive, 1)
+    os.close(alive)
+
+
 def has_plugin(name):
     return (Path(TETUNE).parent / "../libexec/tetune" / name).is_file()
 
@@ -237,9 +278,9 @@ class CliTest(unittest.TestCase):
         self.assertEqual(done.returncode, code, f"{args}\n{done.stdout}\n{done.stderr}")
         return done
 
-    def refused(self, *args, said=()):
+    def refused(self, *args, said=(), **more):
         """Exit code 2, a message on the standard error, nothing on the standard output."""
-        done = self.run_cli(*args, code=2)
+        done = self.run_cli(*args, code=2, **more)
         self.assertEqual(done.stdout, "")
         for part in said:
             if part not in done.stderr.replace("\\", "/"):  # in names of Windows

@@ -16,7 +16,7 @@ class Files(CliTest):
         self.run_cli("optimize", source, "-o", self.path("b.mesh"), "--quiet")
         self.assertEqual(self.read_bytes("a.mesh"), self.read_bytes("b.mesh"))
 
-    def test_no_mesh_is_eaten(self):
+    def test_no_mesh_is_overwritten_as_second_word(self):
         """The second name may be a mesh that a pattern as *.mesh has matched."""
         first, second = self.put("a.mesh", cube(2)), self.put("b.mesh", cube(3))
         os.mkdir(self.path("new"))

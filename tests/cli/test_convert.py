@@ -64,7 +64,7 @@ class Convert(CliTest):
         self.run_cli("convert", self.path("text.mesh"), self.path("again.mesh"))
         self.assertEqual(self.read_bytes("text.mesh"), self.read_bytes("again.mesh"))
 
-    def test_what_is_lost_is_told(self):
+    def test_losses_are_named(self):
         _, source = self.source()
         done = self.run_cli("convert", source, self.path("a.msh"))
         self.assertIn(f"warning: {self.path('a.msh')}: the format cannot hold tags of vertices", done.stderr)
@@ -72,7 +72,7 @@ class Convert(CliTest):
         done = self.run_cli("convert", self.path("a.msh"), self.path("b.ele"))
         self.assertIn("b.ele: the format cannot hold the data \"gmsh:geometrical\"", done.stderr)
 
-    def test_volumes_of_one_group_that_touch_are_told(self):
+    def test_volumes_of_one_group_that_touch_are_named(self):
         def text(tag, other):  # two tetrahedra with a common face, in volumes of their own
             return ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"m\"\n3 2 \"n\"\n$EndPhysicalNames\n$Nodes\n5\n"
                     "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n"
@@ -94,7 +94,7 @@ class Convert(CliTest):
         self.assertIn("--msh has no effect", self.run_cli("convert", source, "-o", self.path("c.mesh"), "--msh", word).stderr)
         self.refused("convert", source, "-o", self.path("a.msh"), "--msh", "1.0", said=["--msh", "1.0"])
 
-    def test_periodic_links_are_told(self):
+    def test_periodic_links_are_counted(self):
         self.put("a.msh", PERIODIC)
         text = self.run_cli("info", self.path("a.msh")).stdout
         self.assertRegex(text, "periodic pairs +1\n")

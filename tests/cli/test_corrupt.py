@@ -12,9 +12,7 @@ import re
 import struct
 import subprocess
 import threading
-import unittest
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import cli_case
 from cli_case import CliTest, cube
@@ -49,7 +47,7 @@ def damaged_text(rng, whole):
     if kind == 2:
         at = rng.randrange(len(whole))
         return whole[:at] + rng.randbytes(rng.randrange(1, 40)) + whole[at:]
-    # Another word for a number; the few of the lines that tell counts as often as the many others.
+    # Another word for a number; the few in lines of counts as often as the many others.
     counts = [m for line in re.finditer(r"^[^\n.]*$", text, re.M) if len(line[0]) < 30
               for m in re.finditer(r"\d+", line[0]) for m in [(line.start() + m.start(), line.start() + m.end())]]
     numbers = counts if counts and kind < 5 else [m.span() for m in re.finditer(r"[\d.eE+-]*\d", text)]
@@ -157,12 +155,12 @@ class Corrupt(CliTest):
         if code == 2:
             if out or written != b"old":
                 wrong.append("the output was touched")
-            at = min(files, key=lambda f: -len(re.findall(re.escape(str(place / f)), error)))
+            at = max(files, key=lambda f: error.count(str(place / f)))
             if str(place / at) not in error:
                 wrong.append("the message does not name the file")
             elif memory_kb < PLUGIN_MEMORY_KB and not re.search(
                     re.escape(str(place / at)) + r"(:\d+: |, byte \d+: |: the mesh is not valid|: there is no tetrahedron)", error):
-                wrong.append("the message does not tell the place")
+                wrong.append("the message does not name the place")
         elif code == 0:
             if self.start("info", "--check", str(place / "out.meshb"))[0] != 0:
                 wrong.append("the result is not valid")
@@ -173,7 +171,6 @@ class Corrupt(CliTest):
     def check(self, name, files, damage, count, own=False):
         """Variants of the file `name` with others beside it."""
         whole = files[name]
-        code, _, error, peak = 0, "", "", 0
         place = self.folder / "whole"
         place.mkdir()
         for file, content in files.items():
@@ -189,7 +186,7 @@ class Corrupt(CliTest):
             results = list(pool.map(one, range(count)))
         wrong = [f"seed {seed}: {r}" for seed, r in enumerate(results) if r not in ("refused", "optimized")]
         self.assertEqual(wrong, [], "\n".join(wrong))
-        # Neither all break nor all miss.
+        # The damage is at places that matter.
         self.assertGreater(results.count("refused"), count / 10)
         if VARIANTS:
             print(f"\n{name}: {results.count('refused')} of {count} refused", flush=True)

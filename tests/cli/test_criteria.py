@@ -118,11 +118,8 @@ class Criteria(CliTest):
                            ("", ["mine.toml", "no criterion"])):
             self.put("mine.toml", text)
             for command in (["info", "in.mesh"], ["optimize", "in.mesh", "-o", "out.mesh"]):
-                done = self.run_here(*command, "--criteria", "mine.toml", code=2)
-                for part in said:
-                    self.assertIn(part, done.stderr)
-        done = self.run_here("info", "in.mesh", "--criteria", "open-foam", code=2)
-        self.assertIn("did you mean 'openfoam'?", done.stderr)
+                self.refused(*command, "--criteria", "mine.toml", said=said, cwd=self.folder)
+        self.refused("info", "in.mesh", "--criteria", "open-foam", said=["did you mean 'openfoam'?"], cwd=self.folder)
         self.assertEqual(self.files(), ["in.mesh", "mine.toml"])
 
 

@@ -2,19 +2,12 @@
 """Curved second-order tetrahedra on the command line. Run: see cli_case.py."""
 
 import json
-import math
 import re
+from itertools import combinations
 
 import cli_case
-from cli_case import CliTest, cube
-
-# The order of the nodes of Gmsh's tetrahedra of ten nodes.
-EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3))
-
-
-def bend(p):
-    x, y, z = p
-    return (x + 0.08 * math.sin(2 * y), y + 0.05 * math.sin(3 * z), z + 0.06 * x * x)
+from cli_case import CliTest, cube, msh_text
+from second_order import EDGES, TET10, Middles, bend
 
 
 def curved_block(n=4, jitter=0.15, straight=False, bends=True):
@@ -22,35 +15,18 @@ def curved_block(n=4, jitter=0.15, straight=False, bends=True):
     inner edges if asked."""
     mesh = cube(n, jitter=jitter)
     points = [tuple(p) for p in mesh.points]
-    middles, nodes = {}, []
-    faces = {}
-    for tet in mesh.tets:
-        row = list(tet)
-        for a, b in EDGES:
-            edge = tuple(sorted((tet[a], tet[b])))
-            if edge not in middles:
-                middles[edge] = len(points)
-                points.append(tuple((points[edge[0]][k] + points[edge[1]][k]) / 2 for k in range(3)))
-            row.append(middles[edge])
-        nodes.append(row)
-        for skipped in range(4):
-            face = tuple(sorted(tet[k] for k in range(4) if k != skipped))
-            faces[face] = faces.get(face, 0) + 1
-    on_surface = {middles[e] for f, count in faces.items() if count == 1 for e in ((f[0], f[1]), (f[1], f[2]), (f[0], f[2]))}
+    middles = Middles(points)
+    nodes = [middles.nodes_of(tet) for tet in mesh.tets]
+    on_surface = {middles.of_edge(*ends) for face in mesh.boundary_faces() for ends in combinations(face, 2)}
     positions = [bend(p) if bends else p for p in points]
-    for (a, b), v in middles.items():
+    for (a, b), v in middles.edge2node.items():
         if straight and v not in on_surface:
             positions[v] = tuple((positions[a][k] + positions[b][k]) / 2 for k in range(3))
     return nodes, positions, on_surface
 
 
 def write_msh(path, nodes, points):
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]
-    lines += [f"{i + 1} {p[0]!r} {p[1]!r} {p[2]!r}" for i, p in enumerate(points)]
-    lines += ["$EndNodes", "$Elements", str(len(nodes))]
-    lines += [f"{i + 1} 11 2 1 1 " + " ".join(str(v + 1) for v in row) for i, row in enumerate(nodes)]
-    lines += ["$EndElements", ""]
-    path.write_text("\n".join(lines))
+    path.write_text(msh_text(points, [(TET10, 1, row) for row in nodes]))
 
 
 def read_nodes(path):

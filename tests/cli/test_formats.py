@@ -129,7 +129,7 @@ class Conversions(ConversionTest):
         self.assertEqual(done.returncode, 0)
         self.assertIn("may be cut short", done.stderr)
 
-    def test_what_has_no_room_is_told(self):
+    def test_losses_are_named(self):
         (self.folder / "in.vtk").write_text(HEAT)
         for output, named in (("out.vtu", None), ("out.mesh", "out.mesh"), ("-", "standard output")):
             done = self.run_tetune("optimize", "in.vtk", output)

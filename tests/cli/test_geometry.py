@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 import cli_case
-from cli_case import CliTest, Mesh, cube, with_triangles
+from cli_case import CliTest, Mesh, cube, msh_text, with_triangles
 
 MAKE_PARTS = os.environ.get("TETUNE_MAKE_PARTS", "")
 PARTS = tempfile.TemporaryDirectory(prefix="tetune_parts_")
@@ -296,13 +296,10 @@ class Geometry(CliTest):
     def test_warnings_are_of_the_options_and_the_data_that_were_given(self):
         mesh = cylinder(3)
         mesh.points = [(0.999 * x, 0.999 * y, z) for x, y, z in mesh.points]
-        nodes = "".join(f"{i} {x!r} {y!r} {z!r}\n" for i, (x, y, z) in enumerate(mesh.points, 1))
-        rows = "".join(f"{i} 4 2 1 1 {' '.join(str(v + 1) for v in tet)}\n" for i, tet in enumerate(mesh.tets, 1))
         data = "".join(f"{i + 1} {i / 8}\n" for i in range(len(mesh.points)))
         n = len(mesh.points)
-        source = self.put("in.msh", f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{n}\n{nodes}$EndNodes\n$Elements\n"
-                                    f"{len(mesh.tets)}\n{rows}$EndElements\n$NodeData\n1\n\"heat\"\n1\n0.0\n3\n0\n1\n{n}\n{data}"
-                                    "$EndNodeData\n")
+        data = f"$NodeData\n1\n\"heat\"\n1\n0.0\n3\n0\n1\n{n}\n{data}$EndNodeData\n"
+        source = self.put("in.msh", msh_text(mesh.points, [(4, 1, tet) for tet in mesh.tets], data=data))
         moved = "the values of heat moved with their vertices"
         report = self.optimize(source, "cylinder.step", self.path("out.msh"), "--effort", "best", "--no-boundary-flips")
         self.assertEqual([w.split(";")[0] for w in report["warnings"]], [moved])

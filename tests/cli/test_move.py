@@ -8,9 +8,10 @@ import re
 import signal
 import struct
 import subprocess
+from pathlib import Path
 
 import cli_case
-from cli_case import CliTest, Mesh, cube, needs_vtk, with_triangles
+from cli_case import CliTest, Mesh, cube, msh_text, needs_vtk, vtk_bytes, with_triangles
 
 
 def on_side(point):
@@ -41,20 +42,8 @@ class Moves(CliTest):
             return after, json.load(file)["motion"], done.stdout
 
     def vtk(self, name, values, field="u"):
-        """A legacy VTK file with point data of three components; binary, as VTK reads no NaN in text."""
-        mesh = self.mesh
-
-        def numbers(code, rows):
-            flat = [x for row in rows for x in row]
-            return struct.pack(f">{len(flat)}{code}", *flat) + b"\n"
-
-        parts = ["# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
-                 f"POINTS {len(mesh.points)} double\n".encode(), numbers("d", mesh.points),
-                 f"CELLS {len(mesh.tets)} {5 * len(mesh.tets)}\n".encode(), numbers("i", [(4, *t) for t in mesh.tets]),
-                 f"CELL_TYPES {len(mesh.tets)}\n".encode(), numbers("i", [(10,)] * len(mesh.tets)),
-                 f"POINT_DATA {len(mesh.points)}\nVECTORS {field} double\n".encode(), numbers("d", values)]
-        with open(self.path(name), "wb") as file:
-            file.write(b"".join(part if isinstance(part, bytes) else part.encode() for part in parts))
+        """A file with a field of three components per vertex."""
+        Path(self.path(name)).write_bytes(vtk_bytes(self.mesh.points, self.mesh.tets, [(field, values)]))
         return self.path(name)
 
     def test_to_the_surface_of_a_second_mesh(self):
@@ -136,11 +125,9 @@ class Moves(CliTest):
             self.assertEqual(after.points[v][2], 1.05)
         self.refused("move", self.source, self.path("x.mesh"), "--to", to, "--patches", "4,5", said=["--patches: the input has no patch 5; it has ", "4"])
         # Patches by the names of their groups.
-        nodes = "".join(f"{v + 1} {p[0]!r} {p[1]!r} {p[2]!r}\n" for v, p in enumerate(self.mesh.points))
-        elements = f"1 2 2 4 4 {triangle[0] + 1} {triangle[1] + 1} {triangle[2] + 1}\n" + "".join(
-            f"{t + 2} 4 2 1 1 {' '.join(str(v + 1) for v in tet)}\n" for t, tet in enumerate(self.mesh.tets))
-        self.source = self.put("in.msh", '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 4 "lid"\n$EndPhysicalNames\n'
-                               f"$Nodes\n{len(self.mesh.points)}\n{nodes}$EndNodes\n$Elements\n{len(self.mesh.tets) + 1}\n{elements}$EndElements\n")
+        elements = [(2, 4, triangle), *((4, 1, tet) for tet in self.mesh.tets)]
+        self.source = self.put("in.msh", msh_text(self.mesh.points, elements,
+                                                  names='$PhysicalNames\n1\n2 4 "lid"\n$EndPhysicalNames\n'))
         self.mesh.point_tags = [0] * len(self.mesh.points)
         _, motion, _ = self.move("--to", to, "--patches", "lid")
         self.assertEqual(motion["vertices_prescribed"], 3)

@@ -2,61 +2,45 @@
 """Prisms of second order beside curved tetrahedra on the command line. Run: see cli_case.py."""
 
 import json
-from collections import Counter
 from itertools import combinations
 
 import cli_case
-from cli_case import CliTest, cube
-from test_curved import EDGES, bend
+from cli_case import CliTest, cube, msh_text
+from second_order import EDGES, TET10, Middles, bend
 
 PRISM_EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5))  # in Gmsh's order
-TET10, PRISM15 = 11, 18
+PRISM15 = 18  # Gmsh's number
 
 
 def hybrid(n=4, bends=True):
     """A bent cube of tetrahedra on a layer of prisms: the elements with Gmsh's type and their nodes, and all positions.
     Edges inside the cube are straight."""
     mesh = cube(n, jitter=0.15)
-    points, middles, below = list(mesh.points), {}, {}
-
-    def second_order(corners, edges):
-        row = list(corners)
-        for a, b in edges:
-            edge = tuple(sorted((corners[a], corners[b])))
-            if edge not in middles:
-                middles[edge] = len(points)
-                points.append(tuple((p + q) / 2 for p, q in zip(points[edge[0]], points[edge[1]])))
-            row.append(middles[edge])
-        return row
-
+    points, below = list(mesh.points), {}
     for v, (x, y, z) in enumerate(mesh.points):
         if z == 0:
             below[v] = len(points)
             points.append((x, y, -0.4))
-    elements = [(TET10, second_order(tet, EDGES)) for tet in mesh.tets]
-    faces = Counter(tuple(sorted(set(tet) - {v})) for tet in mesh.tets for v in tet)
-    curved = {edge for face, count in faces.items() if count == 1 for edge in combinations(face, 2)}
-    inside = set(middles) - curved
+    middles = Middles(points)
+    elements = [(TET10, middles.nodes_of(tet)) for tet in mesh.tets]
+    curved = {edge for face in mesh.boundary_faces() for edge in combinations(face, 2)}
+    inside = set(middles.edge2node) - curved
     for tet in mesh.tets:
         face = [v for v in tet if v in below]
         if len(face) == 3:
             (ax, ay, _), (bx, by, _), (cx, cy, _) = (points[v] for v in face)
             if (bx - ax) * (cy - ay) < (by - ay) * (cx - ax):
                 face.reverse()
-            elements.append((PRISM15, second_order([below[v] for v in face] + face, PRISM_EDGES)))
+            elements.append((PRISM15, middles.nodes_of([below[v] for v in face] + face, PRISM_EDGES)))
     if bends:
-        points = [tuple(round(x, 12) for x in bend(p)) for p in points]  # decks hold 20 characters
+        points = [bend(p) for p in points]
         for a, b in inside:
-            points[middles[a, b]] = tuple(round((p + q) / 2, 12) for p, q in zip(points[a], points[b]))
+            points[middles.of_edge(a, b)] = tuple(round((p + q) / 2, 12) for p, q in zip(points[a], points[b]))
     return elements, points
 
 
 def write_msh(path, elements, points):
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]
-    lines += [f"{i + 1} {p[0]!r} {p[1]!r} {p[2]!r}" for i, p in enumerate(points)]
-    lines += ["$EndNodes", "$Elements", str(len(elements))]
-    lines += [f"{i + 1} {kind} 2 {kind} {kind} " + " ".join(str(v + 1) for v in row) for i, (kind, row) in enumerate(elements)]
-    path.write_text("\n".join([*lines, "$EndElements", ""]))
+    path.write_text(msh_text(points, [(kind, kind, row) for kind, row in elements]))
 
 
 def nodes_of(path, kind):

@@ -6,7 +6,6 @@ import shutil
 import signal
 import subprocess
 import time
-from pathlib import Path
 
 import cli_case
 from cli_case import CliTest, bent, cube, main

@@ -135,7 +135,7 @@ class Refusals(CliTest):
         self.assertIn("The first is near ", run.stderr)
         self.assertIn("let the boundary slide", run.stderr)
         self.assertEqual(self.read_bytes("out.mesh").decode(), "an old file")
-        # The report lists all that are left; a look writes none.
+        # The report lists all that are left; a dry run writes none.
         report = ("--report", self.path("r.json"), "--untangle", "--boundary", "fixed")
         self.run_cli("optimize", name, "-o", self.path("out.mesh"), *report, "--dry-run", code=1)
         self.assertEqual(self.files(), ["in.mesh", "out.mesh"])

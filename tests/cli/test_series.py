@@ -9,9 +9,10 @@ import signal
 import struct
 import subprocess
 import time
+from pathlib import Path
 
 import cli_case
-from cli_case import CliTest, cube, needs_vtk
+from cli_case import CliTest, cube, needs_vtk, vtk_bytes
 
 
 class Series(CliTest):
@@ -20,22 +21,8 @@ class Series(CliTest):
         self.mesh = cube(4)
 
     def vtk(self, name, points, tets=None, data=()):
-        """A legacy VTK file; `data`: name and numbers of point data with three or one components."""
-        tets = self.mesh.tets if tets is None else tets
-
-        def numbers(code, rows):
-            flat = [x for row in rows for x in row]
-            return struct.pack(f">{len(flat)}{code}", *flat) + b"\n"
-
-        parts = ["# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n",
-                 f"POINTS {len(points)} double\n", numbers("d", points),
-                 f"CELLS {len(tets)} {5 * len(tets)}\n", numbers("i", [(4, *t) for t in tets]),
-                 f"CELL_TYPES {len(tets)}\n", numbers("i", [(10,)] * len(tets)), f"POINT_DATA {len(points)}\n"]
-        for field, values in data:
-            kind = f"VECTORS {field} double\n" if len(values[0]) == 3 else f"SCALARS {field} double 1\nLOOKUP_TABLE default\n"
-            parts += [kind, numbers("d", values)]
-        with open(self.path(name), "wb") as file:
-            file.write(b"".join(part if isinstance(part, bytes) else part.encode() for part in parts))
+        """A legacy VTK file of the mesh at other places; `data`: name and rows of point data."""
+        Path(self.path(name)).write_bytes(vtk_bytes(points, self.mesh.tets if tets is None else tets, data))
 
     def series(self, files, name="in.pvd"):
         entries = "".join(f'<DataSet timestep="{time}" file="{file}"/>\n' for time, file in files)
@@ -237,14 +224,7 @@ class Series(CliTest):
             for name in self.files():
                 if name.startswith("out"):
                     os.remove(self.path(name))
-            # The plugin's program ends soon after tetune: when nobody holds the other end of this pipe any more.
-            alive, held = os.pipe()
-            with subprocess.Popen(words, pass_fds=[held], stderr=subprocess.DEVNULL) as process:
-                os.close(held)
-                time.sleep(rng.random() * seconds)
-                process.kill()
-            os.read(alive, 1)
-            os.close(alive)
+            cli_case.start_and_kill(words, lambda _: time.sleep(rng.random() * seconds))
             listed = self.listed()
             counts.add(len(listed))
             self.assertEqual(listed, [f"out_{i:04}.vtu" for i in range(len(listed))])

@@ -39,7 +39,7 @@ class Slide(CliTest):
         self.assertGreater(run["vertices_on_curve"], 0)
         self.assertEqual(run["vertices_fixed"], 8)
         self.assertEqual(run["vertices_in_plane"] + run["vertices_on_line"], 0)
-        # The other modes say nothing of it.
+        # Other modes do not report it.
         report, text = self.slide(source)
         self.assertNotIn("surface", report)
         self.assertNotIn("surface distance", text)

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -38,6 +37,10 @@ class EmulatedMemory {
   DeviceMemory* memory_ = nullptr;
 };
 
+/// Whether an access of the host to the memory of the emulation ends the process, at the cost of some system calls per
+/// primitive.
+enum class HostAccess { unchecked, ends_process };
+
 /// The CUDA backend without CUDA, for tests: the same blocks of threads, chunks, scratch memory and order of merging as
 /// backend/cuda.cuh, with the threads run one after the other in an order shuffled by a seed. Its memory is separate:
 /// the host may not access it, kernels may hold no other addresses, and values that were never written are NaN.
@@ -53,15 +56,14 @@ class Emulation {
   template <class R>
   using Result = Available<R>;
 
-  /// With `guard` an access from the host ends the process, at the cost of some system calls per primitive.
-  explicit Emulation(std::uint64_t seed = 1, std::size_t memory = std::size_t{1} << 30, bool guard = false,
-                     std::function<bool()> stop = {})
-      : stop_(std::move(stop)), random_(seed), memory_(memory, guard) {}
+  explicit Emulation(std::uint64_t seed = 1, std::size_t memory = std::size_t{1} << 30,
+                     HostAccess access = HostAccess::unchecked)
+      : random_(seed), memory_(memory, access == HostAccess::ends_process) {}
 
   Memory memory() const { return Memory(memory_); }
   const DeviceMemory& device_memory() const { return memory_; }
 
-  bool stop_requested() const { return stop_ && stop_(); }
+  static bool stop_requested() { return false; }
 
   template <class F>
   void for_each(Size n, const F& f) const {
@@ -277,7 +279,6 @@ class Emulation {
     return z ^ (z >> 31);
   }
 
-  std::function<bool()> stop_;
   mutable std::uint64_t random_;
   mutable DeviceMemory memory_;
 };

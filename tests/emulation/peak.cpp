@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints the peak of the device memory of a run, measured by the emulation: docs/benchmarks/gpu-memory.md.
-//   emulation_peak MESH fixed|preserve|slide fast|default|best
+//   emulation_peak MESH fixed|preserve|slide fast|standard|best
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <string>
+#include <stdexcept>
 
 #include "driver/devices.hpp"
 #include "emulation/emulation.hpp"
 #include "tetune/io.hpp"
+#include "tetune/option_table.hpp"
 
 using namespace tetune;
 
 int main(int argc, char** argv) try {
-  if (argc != 4) throw std::runtime_error("usage: emulation_peak MESH fixed|preserve|slide fast|default|best");
-  const std::string boundary = argv[2];
-  const std::string effort = argv[3];
+  if (argc != 4) throw std::runtime_error("usage: emulation_peak MESH fixed|preserve|slide fast|standard|best");
   Options options;
-  options.boundary = boundary == "fixed" ? Boundary::fixed : boundary == "slide" ? Boundary::slide : Boundary::preserve;
-  options.effort = effort == "fast" ? Effort::fast : effort == "best" ? Effort::best : Effort::standard;
+  set_option(options, "boundary", argv[2]);
+  set_option(options, "effort", argv[3]);
   TetMesh mesh = read_mesh(argv[1]);
   const auto vertices = mesh.points.size();
   const auto tets = mesh.tets.size();

@@ -24,16 +24,16 @@
 
 namespace tetune::fuzz {
 
-/// Where inputs are put, as readers take paths; gone when the process ends by itself. Files stay open, and what they
-/// hold already is not written again: that took a third of the time.
+/// A folder for inputs, as readers take paths; removed when the process ends without a crash. Files stay open, and
+/// equal content is not written again: that took a third of the time.
 class Folder {
  public:
   Folder() {
-    // In memory where there is such a place.
+    // In memory where the system has such a folder.
     const std::filesystem::path memory = "/dev/shm";
     std::error_code error;
-    const bool there = std::filesystem::is_directory(memory, error);
-    std::string name = ((there ? memory : std::filesystem::temp_directory_path()) / "tetune_fuzz_XXXXXX").string();
+    const bool has_memory = std::filesystem::is_directory(memory, error);
+    std::string name = ((has_memory ? memory : std::filesystem::temp_directory_path()) / "tetune_fuzz_XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) std::abort();
     path_ = name;
   }
@@ -74,8 +74,8 @@ class Folder {
   std::map<std::string, File> files_;
 };
 
-/// Whether rounding decides about angles: where the smallest is below a thousandth of a degree, or the longest edge so
-/// many times the shortest that the digits of one are lost beside the other.
+/// Whether rounding decides about angles: where the smallest is below a thousandth of a degree, or the longest edge is
+/// too long to add the shortest to it without loss of its digits.
 inline bool is_doubtful(const TetMesh& mesh, const Quality& quality) {
   constexpr double kFlat = 1e-3;
   constexpr double kLengths = 1e10;
@@ -163,7 +163,14 @@ inline std::string_view text(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// What a format keeps of coordinates.
+/// One input of a target for a format that is read.
+inline int check_reader(const std::uint8_t* data, std::size_t size, const std::string& ending) {
+  static Folder folder;
+  check(folder.put("in" + ending, text(data, size)));
+  return 0;
+}
+
+/// The coordinates that a format keeps.
 enum class Coordinates { exact, rounded };
 
 /// Fails unless a mesh is read back as it was written.
@@ -187,7 +194,7 @@ inline void check_written(const std::string& path, const std::string& out, Coord
   }
 }
 
-/// One input of a target for a text format that is read and written.
+/// Same as check_reader(), for a text format that is also written.
 inline int check_format(const std::uint8_t* data, std::size_t size, const std::string& ending,
                         Coordinates coordinates) {
   static Folder folder;

@@ -12,11 +12,11 @@
 namespace tetune::fuzz {
 namespace {
 
-/// Larger meshes find nothing that small ones do not, later.
+/// Larger meshes take longer and found nothing more.
 constexpr int kMaxCells = 3;
 
-/// Numbers of the mesh and the options. Half of all inputs are tame: without what is refused at once, so that much of
-/// the time goes into the optimization.
+/// Numbers of the mesh and the options. Half of all inputs are tame, without values that are refused at once, so that
+/// much of the time goes into the optimization; the others are wild.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data, size), wild_(data_.ConsumeBool()) {}
@@ -27,12 +27,12 @@ class Source {
 
   bool flag() { return data_.ConsumeBool(); }
   int whole(int least, int most) { return data_.ConsumeIntegralInRange(least, most); }
-  /// Below `n`; when wild at times anything.
+  /// Below `n`; of wild inputs sometimes any value.
   Index id(std::size_t n) {
     return n == 0 || wildly(16) ? data_.ConsumeIntegral<Index>() : whole(0, static_cast<int>(n) - 1);
   }
   int tag() { return wildly(16) ? data_.ConsumeIntegral<int>() : whole(0, 3); }
-  /// In [-2, 2]; when wild at times any double.
+  /// In [-2, 2]; of wild inputs sometimes any double.
   double real() {
     switch (wild_ ? whole(0, 7) : 3) {
       case 0:
@@ -172,7 +172,7 @@ Options make_options(Source& from, const TetMesh& mesh) {
   o.termination = from.pick({Termination::relative, Termination::relative, Termination::paper});
   o.untangle = from.flag();
   if (from.flag()) o.feature_angle = from.wildly(2) ? from.real() : from.whole(1, 180);
-  // Seldom: it takes many times what all else takes, and most of all where it bounds little, as on meshes so small.
+  // Rarely: the bound takes many times as long as all else, and longest on meshes as small as these.
   if (from.whole(0, 15) == 0 && (from.wild() || o.boundary == Boundary::slide))
     o.max_deviation = from.wild() ? from.real() : std::abs(from.real());
   o.open_boundaries = from.flag();

@@ -3,7 +3,7 @@
 
 #include "fuzz.hpp"
 
-/// The input holds .node, .ele, .face and .edge, parted by '%'; a part that is missing is a file that is.
+/// The input holds .node, .ele, .face and .edge, separated by '%'; a file whose part is missing does not exist.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static tetune::fuzz::Folder folder;
   std::string_view rest = tetune::fuzz::text(data, size);

@@ -36,7 +36,8 @@ TEST_F(Inp, SurfacesAndSetsOfNodesAreTriangles) {
   // The faces of OUT and IN, with their normals outwards of element 7, and that of SIDE.
   EXPECT_EQ(m.triangles, (std::vector<std::array<Index, 3>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}));
   const std::map<std::string, std::vector<int>> expected{{"OUT", {1, 3}}, {"IN", {2}}, {"N", {3}}, {"SIDE", {4}}};
-  EXPECT_EQ(groups_of(m, 2).size(), expected.size());
+  EXPECT_EQ(groups_of(m, 2), expected);
+  EXPECT_EQ(m.triangle_tags, (std::vector{3, 1, 2, 4}));
   EXPECT_EQ(groups_of(m, 2)["IN"].size(), 1U);
   EXPECT_EQ(groups_of(m, 2)["OUT"].size(), 2U);
   EXPECT_EQ(m.triangle_tags[0], groups_of(m, 2)["N"].at(0));

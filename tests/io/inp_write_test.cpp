@@ -49,13 +49,7 @@ TEST_F(Inp, NumbersOfChangedEntitiesStayInTheirSets) {
 TEST_F(Inp, WhatCannotFollowIsRefused) {
   const TetMesh m = read_mesh(put("a.inp", kTwoTets + "*SURFACE, NAME=S\n7, S1\n"), nullptr, 1);
   const auto refused = [this](const TetMesh& changed, const char* said) {
-    try {
-      write_mesh(path("b.inp"), changed, 1);
-    } catch (const FileError& e) {
-      EXPECT_TRUE(contains(e.what(), said));
-      return;
-    }
-    ADD_FAILURE() << said;
+    EXPECT_TRUE(contains(write_error(path("b.inp"), changed), said));
   };
   TetMesh changed = m;
   changed.triangles.clear();

@@ -56,6 +56,19 @@ class IoTest : public ::testing::Test {
     }
     return "";
   }
+  /// The lengths to which a file can be cut so that reading it gives neither an error nor a warning.
+  std::vector<std::size_t> silent_cuts(const std::string& name, const std::string& whole) const {
+    std::vector<std::size_t> silent;
+    for (std::size_t n = 0; n < whole.size(); ++n) {
+      std::vector<std::string> warnings;
+      try {
+        read_mesh(put(name, whole.substr(0, n)), &warnings, 1);
+        if (warnings.empty()) silent.push_back(n);
+      } catch (const FileError&) {
+      }
+    }
+    return silent;
+  }
 
  private:
   std::filesystem::path folder_;
@@ -64,6 +77,16 @@ class IoTest : public ::testing::Test {
 inline ::testing::AssertionResult contains(const std::string& text, const std::string& part) {
   if (text.find(part) != std::string::npos) return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure() << "\"" << part << "\" is not in \"" << text << "\"";
+}
+
+/// One of the texts contains the part.
+inline ::testing::AssertionResult contains(const std::vector<std::string>& texts, const std::string& part) {
+  std::string all;
+  for (const std::string& text : texts) {
+    if (contains(text, part)) return ::testing::AssertionSuccess();
+    all += "\n  " + text;
+  }
+  return ::testing::AssertionFailure() << "\"" << part << "\" is in none of:" << all;
 }
 
 /// Equal to the last bit: -0.0 and 0.0 differ.

@@ -58,16 +58,9 @@ TEST_F(IoTest, LongSectionsReadInPartsAreTheSame) {
     }
     std::string broken = text;
     broken.replace(middle + 1, next - middle - 1, std::string("1 2 x 4 0"));
-    put("c.mesh", broken);
     const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(middle) + 1, '\n') + 1;
-    std::string error;
-    try {
-      read_mesh(path("c.mesh"), nullptr, threads);
-    } catch (const FileError& e) {
-      error = e.what();
-    }
-    const std::string where = std::to_string(line);
-    EXPECT_TRUE(contains(error, ("c.mesh:" + where).c_str()));
+    const std::string error = read_error(put("c.mesh", broken), threads);
+    EXPECT_TRUE(contains(error, "c.mesh:" + std::to_string(line)));
     EXPECT_TRUE(contains(error, "expected an integer (id), found \"x\""));
   }
 }

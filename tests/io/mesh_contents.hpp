@@ -10,13 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/tet.hpp"
 #include "support/meshes.hpp"
 
 /// Meshes with all that a format may keep, and comparisons of what came back.
 namespace tetune::test {
 
 /// Something of all that any format keeps, all tags different.
-inline TetMesh rich(bool pyramids = true) {
+inline TetMesh rich() {
   TetMesh m = two_materials(4);
   m.triangles.clear();
   for (std::size_t t = 0; t < m.tets.size(); ++t) {
@@ -53,7 +54,6 @@ inline TetMesh rich(bool pyramids = true) {
               {"Pyramids", 5, island({0, 3, 2, 1, 8}), {3}, {}},
               {"Prisms", 6, island({0, 3, 8, 1, 2, 9}), {4}, {}},
               {"Hexahedra", 8, island({0, 1, 2, 3, 4, 5, 6, 7}), {5}, {}}};
-  if (!pyramids) m.others.erase(m.others.begin() + 2);
   m.point_tags.assign(m.points.size(), 0);
   std::vector<double> heat;
   for (std::size_t v = 0; v < m.points.size(); ++v) heat.push_back(0.1 * static_cast<double>(v));
@@ -65,15 +65,21 @@ inline TetMesh rich(bool pyramids = true) {
   return m;
 }
 
+/// rich(), for formats without pyramids.
+inline TetMesh rich_without_pyramids() {
+  TetMesh m = rich();
+  std::erase_if(m.others, [](const ElementBlock& block) { return block.kind == "Pyramids"; });
+  return m;
+}
+
 /// The numbers of a list of elements with their tags and order left out of account.
 template <std::size_t N>
 std::multiset<std::pair<std::vector<Index>, int>> tagged(const std::vector<std::array<Index, N>>& elements,
                                                          const std::vector<int>& tags) {
   std::multiset<std::pair<std::vector<Index>, int>> result;
   for (std::size_t i = 0; i < elements.size(); ++i) {
-    std::vector<Index> v(elements[i].begin(), elements[i].end());
-    std::sort(v.begin(), v.end());
-    result.emplace(std::move(v), tags[i]);
+    const std::array<Index, N> v = ascending(elements[i]);
+    result.emplace(std::vector<Index>(v.begin(), v.end()), tags[i]);
   }
   return result;
 }
@@ -100,9 +106,7 @@ inline std::map<std::array<Index, 4>, double> by_tet(const TetMesh& m, const std
   const DataArray* array = find(m.tet_data, name);
   if (array == nullptr) return result;
   for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    auto tet = m.tets[t];
-    std::sort(tet.begin(), tet.end());
-    result[tet] = doubles(*array)[t];
+    result[ascending(m.tets[t])] = doubles(*array)[t];
   }
   return result;
 }

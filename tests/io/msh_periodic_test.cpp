@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Periodic links of Gmsh's files.
 #include <array>
-#include <map>
 
-#include "mesh/tet.hpp"
 #include "mesh_contents.hpp"
 #include "msh_fixture.hpp"
+#include "support/entities.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune::test {
@@ -78,13 +77,9 @@ TEST_F(Msh, TrianglesOfLinksThatAreNoTranslationsAreNotFlipped) {
   m.triangle_tags.clear();
   m.triangles.clear();
   PeriodicLink link{2, 4, 3, {}, {}};
-  std::map<std::array<Index, 3>, int> faces;
-  for (const auto& tet : m.tets) {
-    for (std::size_t k = 0; k < 4; ++k) ++faces[ascending_face(tet, k)];
-  }
   const auto x = [&m](Index v) { return m.points[static_cast<std::size_t>(v)][0]; };
-  for (const auto& [face, n] : faces) {
-    if (n == 1 && x(face[0]) == 0 && x(face[1]) == 0 && x(face[2]) == 0) m.triangles.push_back(face);
+  for (const auto& face : outer_faces(m)) {
+    if (x(face[0]) == 0 && x(face[1]) == 0 && x(face[2]) == 0) m.triangles.push_back(face);
   }
   ASSERT_EQ(m.triangles.size(), 18U);
   m.triangle_tags.assign(m.triangles.size(), 3);

@@ -53,7 +53,7 @@ std::vector<ElementBlock> second_order_others() {
 
 class MutationTest : public IoTest {
  protected:
-  /// Reads, and validates what comes out. Returns whether the reader refused.
+  /// Reads a file and validates its mesh. Returns whether the reader refused it.
   bool refused(const std::string& file, std::size_t bytes) {
     const AllocationWatch watch;
     bool threw = false;

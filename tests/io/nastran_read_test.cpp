@@ -237,6 +237,11 @@ TEST_F(Nastran, ErrorsNameTheLineAndTheRemedy) {
   }
 }
 
+TEST_F(Nastran, EveryTruncationIsNoticed) {
+  const std::string whole = kTenNodes + "CTETRA,1,7,1,2,3,4,5,6,+A\n+A,7,8,9,10\nCTRIA3,2,8,1,2,3\nENDDATA";
+  EXPECT_EQ(silent_cuts("a.bdf", whole), std::vector<std::size_t>());
+}
+
 TEST_F(Nastran, NodesThatOccurTwiceAtOnePositionAreOne) {
   const TetMesh m =
       read("GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,1,,0.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n" + kTet + kEnd);

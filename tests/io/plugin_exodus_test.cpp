@@ -159,9 +159,12 @@ TEST_F(Plugins, ASideSetOfANegativeTagKeepsItsName) {
   EXPECT_EQ(wall->tags, std::vector{2});
 }
 
-/// A tetrahedron with a side set and a node set. `special`: with contents that are not kept, otherwise with the same
-/// that say nothing.
-std::string exodus_file(bool special) {
+/// The values of an Exodus file that are not kept: those that all files have, or others.
+enum class UnkeptValues { usual, special };
+
+/// A tetrahedron with a side set and a node set.
+std::string exodus_file(UnkeptValues values) {
+  const bool special = values == UnkeptValues::special;
   NetCdfFile file;
   const auto real = [special](double value) { return special ? value : 1.0; };
   const auto whole = [special](int value, int plain) { return special ? value : plain; };
@@ -212,12 +215,12 @@ std::string exodus_file(bool special) {
 
 TEST_F(Plugins, ContentsOfExodusThatAreNotKeptAreWarnings) {
   std::vector<std::string> warnings;
-  const TetMesh plain = read_mesh(put("plain.e", exodus_file(false)), &warnings, 1);
+  const TetMesh plain = read_mesh(put("plain.e", exodus_file(UnkeptValues::usual)), &warnings, 1);
   EXPECT_EQ(plain.tets.size(), 1U);
   EXPECT_EQ(plain.triangle_tags, std::vector{5});
   EXPECT_EQ(names_of(plain.point_data), std::vector<std::string>{"node_set:6"});
   EXPECT_TRUE(warnings.empty());
-  read_mesh(put("special.e", exodus_file(true)), &warnings, 1);
+  read_mesh(put("special.e", exodus_file(UnkeptValues::special)), &warnings, 1);
   const std::string start = path("special.e") + ": the ";
   const std::vector<std::string> expected{
       start + "attributes of the element blocks 4 are not kept",

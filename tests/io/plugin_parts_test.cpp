@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "plugin_fixture.hpp"
+#include "support/entities.hpp"
 #include "tetune/validate.hpp"
 
 namespace tetune::test {
@@ -73,14 +74,8 @@ std::set<std::pair<std::set<Point3>, Point3>> curved_places(const TetMesh& m) {
 
 TEST_F(Plugins, PartsOfSecondOrderAreJoinedWithTheirCurvedEdges) {
   TetMesh m = two_materials(4);
-  std::set<std::array<Index, 2>> edges;
-  for (const auto& tet : m.tets) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      for (std::size_t b = 0; b < a; ++b) edges.insert({std::min(tet[a], tet[b]), std::max(tet[a], tet[b])});
-    }
-  }
   m.second_order = true;
-  for (const auto& [a, b] : edges) {  // all, also those between both parts
+  for (const auto& [a, b] : edges_of(m)) {  // all, also those between both parts
     const Point3 p = m.points[static_cast<std::size_t>(a)], q = m.points[static_cast<std::size_t>(b)];
     m.curved_edges.push_back({{a, b}, {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2 + 0.01, (p[2] + q[2]) / 2}});
   }
@@ -157,7 +152,7 @@ TEST_F(Plugins, SharedPointsOfPartsHaveTheDataOfTheirOwner) {
     const TetMesh joined = read_mesh(put("a.pvtu", kTwoPartsWithGhosts), nullptr, 1);
     EXPECT_EQ(joined.points, kFivePoints);
     EXPECT_EQ(joined.tets.size(), 2U);
-    ASSERT_EQ(joined.point_data.size(), 1U) << "flags of copies say nothing of the whole mesh";
+    ASSERT_EQ(joined.point_data.size(), 1U) << "flags of copies are not data of the whole mesh";
     EXPECT_EQ(joined.point_data[0].name, "value");
     EXPECT_EQ(std::get<std::vector<std::int32_t>>(joined.point_data[0].values),
               (std::vector<std::int32_t>{10, 11, 12, 13, 14}));

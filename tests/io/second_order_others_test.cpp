@@ -2,165 +2,12 @@
 // Quadrilaterals, pyramids, prisms and hexahedra with nodes in the middles of their edges, in the formats of the
 // library.
 #include <algorithm>
-#include <functional>
-#include <utility>
 
 #include "io_fixture.hpp"
+#include "second_order_manuals.hpp"
 
 namespace tetune::test {
 namespace {
-
-using Ends = std::array<int, 2>;  ///< of an edge; twice the same number for a vertex
-using Listing = std::vector<Ends>;
-
-/// An element as the manuals of the formats list its nodes.
-struct Manual {
-  std::string kind;
-  Listing vertices_first;              ///< the mid-side nodes after the vertices, as Abaqus has them
-  Listing nastran, gmsh, unv;          ///< likewise; that of unv is a tour
-  std::string inp_type, nastran_card;  ///< empty: the format has none
-  int gmsh_type, gmsh_dimension, unv_descriptor;
-};
-
-const std::vector<Manual>& manuals() {
-  static const std::vector<Manual> kManuals{
-      {"Quadrilaterals",
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}},
-       {{0, 0}, {0, 1}, {1, 1}, {1, 2}, {2, 2}, {2, 3}, {3, 3}, {3, 0}},
-       "S8R",
-       "CQUAD8",
-       16,
-       2,
-       95},
-      {"Pyramids",
-       {},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}},
-       {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 4}, {2, 3}, {2, 4}, {3, 4}},
-       {{0, 0}, {0, 1}, {1, 1}, {1, 2}, {2, 2}, {2, 3}, {3, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}, {4, 4}},
-       "",
-       "CPYRAM",
-       19,
-       3,
-       114},
-      {"Prisms",
-       {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}},
-       {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {5, 3}},
-       {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 4}, {2, 5}, {3, 4}, {3, 5}, {4, 5}},
-       {{0, 0},
-        {0, 1},
-        {1, 1},
-        {1, 2},
-        {2, 2},
-        {2, 0},
-        {0, 3},
-        {1, 4},
-        {2, 5},
-        {3, 3},
-        {3, 4},
-        {4, 4},
-        {4, 5},
-        {5, 5},
-        {5, 3}},
-       "C3D15",
-       "CPENTA",
-       18,
-       3,
-       113},
-      {"Hexahedra",
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {4, 5}, {5, 6}, {6, 7}, {7, 4}},
-       {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}},
-       {{0, 0}, {0, 1}, {1, 1}, {1, 2}, {2, 2}, {2, 3}, {3, 3}, {3, 0}, {0, 4}, {1, 5},
-        {2, 6}, {3, 7}, {4, 4}, {4, 5}, {5, 5}, {5, 6}, {6, 6}, {6, 7}, {7, 7}, {7, 4}},
-       "C3D20",
-       "CHEXA",
-       17,
-       3,
-       116}};
-  return kManuals;
-}
-
-int vertices_of(const Manual& manual) {
-  int last = 0;
-  for (const Ends& e : manual.gmsh) last = std::max({last, e[0], e[1]});
-  return last + 1;
-}
-
-Listing with_vertices(const Manual& manual, const Listing& middles) {
-  Listing all;
-  for (int v = 0; v < vertices_of(manual); ++v) all.push_back({v, v});
-  all.insert(all.end(), middles.begin(), middles.end());
-  return all;
-}
-
-/// No two edges have the same midpoint.
-Point3 vertex_at(int v) { return {double(v) + 0.25 * v * v, double(v % 3), double(v % 2) + 0.5 * v}; }
-
-/// The nodes in the order of a listing; that of the edge `bent` is beside the midpoint.
-std::vector<Point3> nodes_of(const Listing& listing, Ends bent) {
-  std::vector<Point3> nodes;
-  for (const auto& [a, b] : listing) {
-    const Point3 p = vertex_at(a), q = vertex_at(b);
-    nodes.push_back({(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2});
-    if (a != b && Ends{a, b} == bent) nodes.back()[2] += 0.5;
-  }
-  return nodes;
-}
-
-/// Lists numbers from 1, with a break after each `per_line` of them, of which `first` precede.
-std::string numbers(std::size_t n, const std::string& between, std::size_t per_line, std::size_t first,
-                    const std::string& line_break) {
-  std::string text;
-  for (std::size_t k = 1; k <= n; ++k) {
-    if (k > 1) text += (k - 1 + first) % per_line == 0 ? line_break : between;
-    text += std::to_string(k);
-  }
-  return text;
-}
-
-std::string coordinates(const Point3& p, const std::string& between) {
-  return std::to_string(p[0]) + between + std::to_string(p[1]) + between + std::to_string(p[2]);
-}
-
-/// A file with the element alone: its name and text. Its nodes are numbered as it lists them.
-struct Written {
-  std::string name, text;
-};
-Written in_msh(const Manual& m, Ends bent) {
-  const std::vector<Point3> nodes = nodes_of(with_vertices(m, m.gmsh), bent);
-  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(nodes.size()) + "\n";
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    text += std::to_string(i + 1) + " " + coordinates(nodes[i], " ") + "\n";
-  return {"a.msh", text + "$EndNodes\n$Elements\n1\n1 " + std::to_string(m.gmsh_type) + " 2 7 7 " +
-                       numbers(nodes.size(), " ", 99, 0, " ") + "\n$EndElements\n"};
-}
-Written in_inp(const Manual& m, Ends bent) {
-  const std::vector<Point3> nodes = nodes_of(with_vertices(m, m.vertices_first), bent);
-  std::string text = "*NODE\n";
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    text += std::to_string(i + 1) + ", " + coordinates(nodes[i], ", ") + "\n";
-  return {"a.inp", text + "*ELEMENT, TYPE=" + m.inp_type + ", ELSET=" + (m.gmsh_dimension == 3 ? "Volume" : "Surface") +
-                       "7\n1, " + numbers(nodes.size(), ", ", 16, 1, ",\n") + "\n"};
-}
-Written in_bdf(const Manual& m, Ends bent) {
-  const std::vector<Point3> nodes = nodes_of(with_vertices(m, m.nastran), bent);
-  std::string text;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    text += "GRID," + std::to_string(i + 1) + ",," + coordinates(nodes[i], ",") + "\n";
-  }
-  return {"a.bdf", text + m.nastran_card + ",1,7," + numbers(nodes.size(), ",", 8, 2, ",\n,") + "\nENDDATA\n"};
-}
-Written in_unv(const Manual& m, Ends bent) {
-  const std::vector<Point3> nodes = nodes_of(m.unv, bent);
-  std::string text = "    -1\n  2411\n";
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    text += std::to_string(i + 1) + " 1 1 11\n" + coordinates(nodes[i], " ") + "\n";
-  }
-  return {"a.unv", text + "    -1\n    -1\n  2412\n1 " + std::to_string(m.unv_descriptor) + " 7 7 7 " +
-                       std::to_string(nodes.size()) + "\n" + numbers(nodes.size(), " ", 8, 0, "\n") + "\n    -1\n"};
-}
 
 class SecondOrderOthers : public IoTest {
  protected:
@@ -171,69 +18,7 @@ class SecondOrderOthers : public IoTest {
     EXPECT_EQ(get("b.inp"), deck);
     return m;
   }
-
-  /// Reads an element of a format, in which the node of each edge in turn is beside the midpoint, and writes it again.
-  void check(const Manual& manual, const Listing& edges, const std::function<Written(const Manual&, Ends)>& file) {
-    const Written straight = file(manual, {-1, -1});
-    SCOPED_TRACE(straight.name + " " + manual.kind);
-    const TetMesh m = read_mesh(put(straight.name, straight.text), nullptr, 1);
-    check_block(manual, m);
-    EXPECT_TRUE(m.curved_edges.empty());
-    for (const Ends& edge : edges) {
-      if (edge[0] == edge[1]) continue;
-      const Written bent = file(manual, edge);
-      const TetMesh curved = read_mesh(put(bent.name, bent.text), nullptr, 1);
-      check_block(manual, curved);
-      ASSERT_EQ(curved.curved_edges.size(), 1U);
-      const auto [a, b] = curved.curved_edges[0].vertices;
-      std::vector<Point3> found{curved.points[std::size_t(a)], curved.points[std::size_t(b)]};
-      std::vector<Point3> expected{vertex_at(edge[0]), vertex_at(edge[1])};
-      std::sort(found.begin(), found.end());
-      std::sort(expected.begin(), expected.end());
-      EXPECT_EQ(found, expected);
-      write_mesh(path("again_" + bent.name), curved, 1);
-      const TetMesh again = read_mesh(path("again_" + bent.name), nullptr, 1);
-      check_block(manual, again);
-      EXPECT_EQ(again.curved_edges, curved.curved_edges);
-    }
-  }
-  static void check_block(const Manual& manual, const TetMesh& m) {
-    EXPECT_TRUE(m.second_order);
-    ASSERT_EQ(m.others.size(), 1U);
-    const ElementBlock& block = m.others[0];
-    EXPECT_EQ(block.kind, manual.kind);
-    EXPECT_TRUE(block.second_order);
-    EXPECT_EQ(block.tags, std::vector<int>{7});
-    ASSERT_EQ(block.element2vertex.size(), std::size_t(vertices_of(manual)));
-    ASSERT_EQ(m.points.size(), block.element2vertex.size());
-    for (int v = 0; v < vertices_of(manual); ++v) {
-      EXPECT_EQ(m.points[std::size_t(block.element2vertex[std::size_t(v)])], vertex_at(v));
-    }
-  }
-  std::string write_error(const std::string& name, const TetMesh& m) const {
-    try {
-      write_mesh(path(name), m, 1);
-    } catch (const FileError& e) {
-      return e.what();
-    }
-    return "";
-  }
 };
-
-TEST_F(SecondOrderOthers, NodesAreInTheOrderOfGmsh) {
-  for (const Manual& m : manuals()) check(m, m.gmsh, in_msh);
-}
-TEST_F(SecondOrderOthers, NodesAreInTheOrderOfAbaqusAndCalculiX) {
-  for (const Manual& m : manuals()) {
-    if (!m.inp_type.empty()) check(m, m.vertices_first, in_inp);
-  }
-}
-TEST_F(SecondOrderOthers, NodesAreInTheOrderOfNastran) {
-  for (const Manual& m : manuals()) check(m, m.nastran, in_bdf);
-}
-TEST_F(SecondOrderOthers, NodesAreInTheOrderOfIdeas) {
-  for (const Manual& m : manuals()) check(m, m.unv, in_unv);
-}
 
 /// A tetrahedron of second order beside a prism and a hexahedron of either order.
 TetMesh mixed() {
@@ -275,9 +60,7 @@ TEST_F(SecondOrderOthers, FormatsOfFirstOrderListTheVerticesWithAWarning) {
   for (const std::string name : {"a.mesh", "a.meshb", "a.su2"}) {
     std::vector<std::string> warnings;
     write_mesh(path(name), mixed(), 1, &warnings);
-    EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
-      return w.find("written as linear elements") != std::string::npos;
-    })) << name;
+    EXPECT_TRUE(contains(warnings, "written as linear elements")) << name;
     const TetMesh back = read_mesh(path(name), nullptr, 1);
     EXPECT_FALSE(back.second_order);
     std::size_t hexahedra = 0;
@@ -288,9 +71,9 @@ TEST_F(SecondOrderOthers, FormatsOfFirstOrderListTheVerticesWithAWarning) {
 
 TEST_F(SecondOrderOthers, FormatsWithoutTheElementsRefuseThem) {
   TetMesh m = mixed();
-  EXPECT_TRUE(contains(write_error("a.vol", m), "Prisms with mid-side nodes are not written to Netgen's files"));
+  EXPECT_TRUE(contains(write_error(path("a.vol"), m), "Prisms with mid-side nodes are not written to Netgen's files"));
   m.others = {{"Pyramids", 5, {0, 1, 2, 3, 4}, {1}, {}, {}, true}};
-  EXPECT_TRUE(contains(write_error("a.inp", m), "neither Abaqus nor CalculiX has Pyramids with mid-side nodes"));
+  EXPECT_TRUE(contains(write_error(path("a.inp"), m), "neither Abaqus nor CalculiX has Pyramids with mid-side nodes"));
 }
 
 TEST_F(SecondOrderOthers, NodesInTheMiddlesOfFacesAreRefusedWithAdvice) {
@@ -391,8 +174,7 @@ TEST_F(SecondOrderOthers, InDecksElementsWithAMidSideNodeThatIsAVertexAreHeld) {
   EXPECT_EQ(m.required_vertices.size(), 20U);
   std::vector<std::string> warnings;
   write_mesh(path("c.msh"), m, 1, &warnings);
-  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
-                          [](const std::string& w) { return contains(w, "nor its elements of other types (1)"); }));
+  EXPECT_TRUE(contains(warnings, "nor its elements of other types (1)"));
 }
 
 TEST_F(SecondOrderOthers, InDecksElementsWithAVertexTwiceAreHeld) {

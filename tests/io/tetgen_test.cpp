@@ -127,6 +127,17 @@ TEST_F(TetGenTest, BrokenFiles) {
   expect("number of edges is 2000000000", kNode0, kEle0, "1 0\n0 0 1 2\n", "2000000000 0\n0 0 1\n");
 }
 
+TEST_F(TetGenTest, ATruncationIsNoticedButForTheLastTag) {
+  put_all("4 3 0 1\n1 0 0 0 5\n2 1 0 0 6\n3 0 1 0 7\n4 0 0 1 8", "1 4 1\n1 1 2 3 4 9", "1 1\n1 1 2 3 5");
+  for (const std::string name : {"m.node", "m.ele", "m.face"}) {
+    const std::string whole = get(name);
+    // Elements may lack their tags.
+    const std::vector<std::size_t> without_tag{whole.size() - 2, whole.size() - 1};
+    EXPECT_EQ(silent_cuts(name, whole), name == "m.node" ? std::vector<std::size_t>() : without_tag) << name;
+    put(name, whole);
+  }
+}
+
 /// Point numbers of 1-based files start at 1: a 0 there is an error, not vertex -1.
 TEST_F(TetGenTest, ZeroInAFileCountedFromOne) {
   const std::string node = "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n";

@@ -32,10 +32,7 @@ class Unv : public IoTest {
     warnings_.clear();
     return read_mesh(put("a.unv", text), &warnings_, 1);
   }
-  bool warned(const std::string& part) const {
-    return std::any_of(warnings_.begin(), warnings_.end(),
-                       [&](const std::string& w) { return w.find(part) != std::string::npos; });
-  }
+  ::testing::AssertionResult warned(const std::string& part) const { return contains(warnings_, part); }
   std::string error(const std::string& text) const { return read_error(put("a.unv", text)); }
   std::vector<std::string> warnings_;
 };

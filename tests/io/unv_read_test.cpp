@@ -225,6 +225,18 @@ TEST_F(Unv, FilesOfGmsh) {
   EXPECT_FALSE(contains(get("b.unv"), "   164\n"));
 }
 
+TEST_F(Unv, ATruncationWithinADataSetIsNoticed) {
+  const std::string elements = unv_set("2412", kUnvTet);
+  const std::string whole = kUnvNodes + elements + unv_set("2467", group(4, "part", {{8, 1}}));
+  std::vector<std::size_t> between;
+  for (const std::size_t end : {kUnvNodes.size(), kUnvNodes.size() + elements.size()}) {
+    // From before the end of the line to the blanks of the next data set.
+    for (std::size_t n = end - 1; n <= end + 4; ++n) between.push_back(n);
+  }
+  between.push_back(whole.size() - 1);
+  EXPECT_EQ(silent_cuts("a.unv", whole), between);
+}
+
 TEST_F(Unv, DataSetsThatAreNotReadAreNamed) {
   const std::string results = unv_set("2414", "         1\nRESULTS\n        -1\n         2\n");
   read(unv_set("151", "model\n\n") + kUnvNodes + results + unv_set("2412", kUnvTet) + results);
@@ -307,7 +319,7 @@ TEST_F(Unv, EveryTruncationIsRefusedOrNamed) {
     const std::string found = error(text);
     if (!found.empty()) continue;
     read(text);
-    // Between data sets nothing says that another one was to follow.
+    // A file may end between data sets.
     EXPECT_TRUE(trimmed(text).ends_with("-1") || warned("cut short")) << text;
   }
 }

@@ -139,8 +139,5 @@ class Failures(MpiTest):
         done = self.mpi(3, mpi_case.BRACKET, self.path("out.mesh"), "--max-deviation", "1")
         self.assertIn("warning: --max-deviation 1 has no effect without --boundary slide", done.stderr)
 
-    def test_options_of_one_machine_are_not_offered(self):
-        self.mpi(2, mpi_case.BRACKET, self.path("x.meshb"), "--untangle", code=2)
-
 
 mpi_case.main(__doc__)

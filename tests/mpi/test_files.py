@@ -9,6 +9,7 @@ from pathlib import Path
 
 import mpi_case
 from mpi_case import MpiTest, cli_case
+from second_order import TET10, Middles
 
 
 class Files(MpiTest):
@@ -98,12 +99,8 @@ class Files(MpiTest):
         if not self.writes_hdf5():
             self.skipTest("PETSc without HDF5")
         cube = cli_case.cube(3)
-        text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "1", '3 7 "rotor"', "$EndPhysicalNames",
-                "$Nodes", str(len(cube.points))]
-        text += [f"{i + 1} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(cube.points)]
-        text += ["$EndNodes", "$Elements", str(len(cube.tets))]
-        text += [f"{i + 1} 4 2 7 7 " + " ".join(str(v + 1) for v in tet) for i, tet in enumerate(cube.tets)]
-        source = self.put("in.msh", "\n".join([*text, "$EndElements", ""]))
+        names = '$PhysicalNames\n1\n3 7 "rotor"\n$EndPhysicalNames\n'
+        source = self.put("in.msh", cli_case.msh_text(cube.points, [(4, 7, tet) for tet in cube.tets], names=names))
         for ending in ("h5", "xmf"):
             out = self.path(f"out.{ending}")
             for ranks in (1, 2):
@@ -183,21 +180,10 @@ class Files(MpiTest):
 
     def test_nodes_in_the_middles_of_edges_are_lost_with_a_warning(self):
         mesh = cli_case.cube(3)
-        points, middles, rows = [*mesh.points], {}, []
-        for tet in mesh.tets:
-            row = list(tet)
-            for a, b in ((0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3)):
-                edge = tuple(sorted((tet[a], tet[b])))
-                if edge not in middles:
-                    middles[edge] = len(points)
-                    points.append(tuple((x + y) / 2 for x, y in zip(points[edge[0]], points[edge[1]])))
-                row.append(middles[edge])
-            rows.append(row)
-        text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]
-        text += [f"{i + 1} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(points)]
-        text += ["$EndNodes", "$Elements", str(len(rows))]
-        text += [f"{i + 1} 11 2 7 7 " + " ".join(str(v + 1) for v in row) for i, row in enumerate(rows)]
-        source = self.put("in.msh", "\n".join([*text, "$EndElements", ""]))
+        points = [*mesh.points]
+        middles = Middles(points)
+        elements = [(TET10, 7, middles.nodes_of(tet)) for tet in mesh.tets]
+        source = self.put("in.msh", cli_case.msh_text(points, elements))
         for ending in ["meshb"] + ["h5"] * self.writes_hdf5():
             out = self.path(f"out.{ending}")
             lost = f"{out}: written as linear elements, without the nodes in the middles of edges"

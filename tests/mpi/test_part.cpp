@@ -13,22 +13,17 @@
 #include "../../mpi/src/one_part.hpp"
 #include "../../mpi/src/part.hpp"
 #include "mesh/vertex_layers.hpp"
+#include "support/entities.hpp"
 #include "support/meshes.hpp"
 
 namespace tetune::mpi {
 namespace {
 
-std::array<Index, 3> face_of(const std::array<Index, 4>& tet, std::size_t f) {
-  std::array<Index, 3> face{tet[(f + 1) % 4], tet[(f + 2) % 4], tet[(f + 3) % 4]};
-  std::sort(face.begin(), face.end());
-  return face;
-}
-
-/// How many tetrahedra of each region each face has.
+/// The number of tetrahedra of each region at each face.
 std::map<std::array<Index, 3>, std::map<int, int>> faces(const TetMesh& mesh) {
   std::map<std::array<Index, 3>, std::map<int, int>> result;
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (std::size_t f = 0; f < 4; ++f) ++result[face_of(mesh.tets[t], f)][mesh.tet_tags[t]];
+  for (const auto& [face, tags] : test::face2tags(mesh)) {
+    for (const int tag : tags) ++result[face][tag];
   }
   return result;
 }
@@ -166,10 +161,7 @@ TEST(Part, ListedEntitiesGoWithTheirTetrahedra) {
   for (const Part* p : {&std::as_const(part), &out}) {
     const auto own = faces(p->mesh);
     EXPECT_EQ(p->mesh.triangles.size(), own.size());  // all faces were listed
-    for (auto face : p->mesh.triangles) {
-      std::sort(face.begin(), face.end());
-      EXPECT_EQ(own.count(face), 1U);
-    }
+    for (const auto& face : p->mesh.triangles) EXPECT_EQ(own.count(ascending(face)), 1U);
     for (const std::uint8_t is_in : are_in(p->mesh.edges, p->mesh.tets, p->mesh.points.size())) EXPECT_EQ(is_in, 1);
   }
 }
@@ -203,19 +195,9 @@ TEST(Part, SurfaceAndInterfaceAreFound) {
 
 /// Edges of the second mesh that the first lacks.
 std::vector<std::array<Index, 2>> edges_only_in(const TetMesh& second, const TetMesh& first) {
-  const auto edges_of = [](const TetMesh& mesh) {
-    std::set<std::array<Index, 2>> edges;
-    for (auto tet : mesh.tets) {
-      std::sort(tet.begin(), tet.end());
-      for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t j = i + 1; j < 4; ++j) edges.insert({tet[i], tet[j]});
-      }
-    }
-    return edges;
-  };
-  const auto had = edges_of(first);
+  const auto had = test::edges_of(first);
   std::vector<std::array<Index, 2>> edges;
-  for (const auto& edge : edges_of(second)) {
+  for (const auto& edge : test::edges_of(second)) {
     if (!had.contains(edge)) edges.push_back(edge);
   }
   return edges;

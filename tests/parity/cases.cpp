@@ -15,14 +15,6 @@ namespace {
 using Counts = OperationCounts;
 using Operation = CountInfo<Counts>::Member;
 
-TetMesh with_patches(TetMesh m) {
-  for (const SkinFace& f : skin(m)) {
-    m.triangles.push_back(f.v);
-    m.triangle_tags.push_back(m.points[static_cast<std::size_t>(f.v[0])][0] < 0.4 ? 7 : 9);
-  }
-  return m;
-}
-
 Case& add(std::vector<Case>& all, const std::string& name, TetMesh mesh) {
   all.push_back({name, std::move(mesh), {}, {}});
   return all.back();
@@ -98,7 +90,7 @@ void add_methods(std::vector<Case>& all) {
   bound.options.boundary = Boundary::slide;
   bound.options.max_deviation = 2e-3;
   bound.operations = flips;
-  Case& patches = add(all, "patches", with_patches(waved(two_materials(6, 0.15))));
+  Case& patches = add(all, "patches", with_patches(waved(two_materials(6, 0.15)), 0.4));
   patches.options.boundary = Boundary::slide;
   patches.options.frozen_patches = {7};
   patches.operations = flips;

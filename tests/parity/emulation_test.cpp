@@ -11,6 +11,7 @@
 #include "emulation/emulation.hpp"
 #include "parity/cases.hpp"
 #include "support/curved.hpp"
+#include "support/options.hpp"
 #include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/validate.hpp"
@@ -59,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(All, EmulationAgainstCpu, testing::ValuesIn(test::cases
                          [](const auto& one) { return one.param.name; });
 
 /// The maximum number of bytes that cross between two calls of the progress callback.
-DeviceMemory::Traffic most_between_looks(const TetMesh& mesh, const Options& options) {
+DeviceMemory::Traffic most_between_callbacks(const TetMesh& mesh, const Options& options) {
   const Emulation gpu(1);
   DeviceMemory::Traffic most, before;
   bool running = false;
@@ -84,7 +85,7 @@ DeviceMemory::Traffic most_between_looks(const TetMesh& mesh, const Options& opt
 /// tetrahedra as from a smaller one.
 void expect_few_transfers(const Options& options, std::size_t downloads, std::size_t bytes) {
   for (const int n : {6, 12}) {
-    const DeviceMemory::Traffic most = most_between_looks(test::ball(n), options);
+    const DeviceMemory::Traffic most = most_between_callbacks(test::ball(n), options);
     EXPECT_EQ(most.uploads, 0U);
     EXPECT_LT(most.downloads, downloads);
     EXPECT_LT(most.bytes_down, bytes);
@@ -157,7 +158,7 @@ TEST(EmulationMemory, TheHostTouchesNoneOfItInAWholeRun) {
   options.boundary = Boundary::slide;
   TetMesh guarded = test::ball(5);
   TetMesh plain = guarded;
-  optimize_on(Emulation(1, std::size_t{64} << 20, true), guarded, options, {});
+  optimize_on(Emulation(1, std::size_t{64} << 20, backend::HostAccess::ends_process), guarded, options, {});
   optimize_on(Emulation(1), plain, options, {});
   expect_same(guarded, plain);
 }
@@ -196,7 +197,7 @@ TEST(EmulationOfMove, APistonFitsIntoTheMemoryThatIsReserved) {
   options.threads = 1;
   for (const Point3& p : before.points) {
     const bool moves = p[0] == 0 || p[0] == 1;
-    targets[0].push_back(moves ? Point3{0.5 * p[0], p[1], p[2]} : Point3{NAN, NAN, NAN});
+    targets[0].push_back(moves ? Point3{0.5 * p[0], p[1], p[2]} : test::kFree);
     options.frozen_vertices.push_back(moves ? 1 : 0);
   }
   TetMesh cpu = before;

@@ -53,9 +53,7 @@ TEST(Frozen, VerticesStayToTheLastBit) {
 std::set<std::array<Index, 4>> tets_of(const TetMesh& m, int tag) {
   std::set<std::array<Index, 4>> set;
   for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    auto tet = m.tets[t];
-    std::sort(tet.begin(), tet.end());
-    if (m.tet_tags[t] == tag) set.insert(tet);
+    if (m.tet_tags[t] == tag) set.insert(ascending(m.tets[t]));
   }
   return set;
 }

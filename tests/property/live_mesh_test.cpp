@@ -11,6 +11,7 @@
 #include <set>
 
 #include "support/meshes.hpp"
+#include "support/options.hpp"
 #include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -42,7 +43,7 @@ Index inner_vertex_near(const TetMesh& mesh, const Point3& at) {
 
 /// Targets at the positions of the mesh for one vertex, moved by an offset, and for the boundary.
 VertexTargets one_moved(const TetMesh& mesh, Index v, const Point3& offset) {
-  VertexTargets targets(mesh.points.size(), Point3{kNan, kNan, kNan});
+  VertexTargets targets(mesh.points.size(), test::kFree);
   Point3& to = targets[static_cast<std::size_t>(v)];
   to = mesh.points[static_cast<std::size_t>(v)];
   for (std::size_t k = 0; k < 3; ++k) to[k] += offset[k];
@@ -183,7 +184,7 @@ TEST(LiveMesh, GivesTheSameBitsForAnyNumberOfThreadsOverManySteps) {
   EXPECT_TRUE(validate(results[0]).ok());
 }
 
-/// The sides turn and pulsate, and every third step disturbs inner vertices too.
+/// Points of a cube that turns and pulsates.
 std::vector<Point3> place_in_step(const std::vector<Point3>& points, int step) {
   const double angle = 0.06 * step;
   const double stretch = 1 + 0.3 * std::sin(0.2 * step);
@@ -196,6 +197,7 @@ std::vector<Point3> place_in_step(const std::vector<Point3>& points, int step) {
   return places;
 }
 
+/// The sides of a cube turn and pulsate, and every third step disturbs an inner vertex too.
 TEST(LiveMesh, GivesTheSameBitsForAnyNumberOfThreadsOverAHundredSteps) {
   constexpr int kSteps = test::kSanitized ? 10 : 100;
   const TetMesh first = optimized(6);
@@ -203,12 +205,12 @@ TEST(LiveMesh, GivesTheSameBitsForAnyNumberOfThreadsOverAHundredSteps) {
   for (const int threads : {1, 3}) {
     Options options;
     options.threads = threads;
-    options.boundary = Boundary::fixed;  // optimize() knows no targets
+    options.boundary = Boundary::fixed;  // optimize() has no targets
     LiveMesh live(first, options);
     for (int step = 1; step <= kSteps; ++step) {
       VertexTargets targets = place_in_step(first.points, step);
       for (std::size_t v = 0; v < targets.size(); ++v) {
-        if (test::is_inner(first.points[v])) targets[v] = {kNan, kNan, kNan};
+        if (test::is_inner(first.points[v])) targets[v] = test::kFree;
       }
       ASSERT_TRUE(live.move(targets).reached()) << "step " << step;
       if (step % 3 == 0) {
@@ -280,7 +282,7 @@ TEST(LiveMesh, GrowsByMaxGrowthOverAllSteps) {
   LiveMesh live(mesh, options);
   const std::vector<Point3> start = mesh.points;
   for (int step = 1; step <= 3; ++step) {
-    VertexTargets targets(live.mesh().points.size(), Point3{kNan, kNan, kNan});
+    VertexTargets targets(live.mesh().points.size(), test::kFree);
     for (std::size_t v = 0; v < start.size(); ++v) {
       if (test::is_inner(start[v])) continue;
       const double angle = 0.4 * std::sin(step) * start[v][2];
@@ -340,7 +342,7 @@ TEST(LiveMesh, MovesLockedTetrahedraAndLooseVerticesAsMoveDoes) {
   mesh.required_tets = {0, 1, 2, 3, 4, 5};
   mesh.points.push_back({9, 9, 9});
   mesh.point_tags.push_back(0);
-  VertexTargets targets(mesh.points.size(), Point3{kNan, kNan, kNan});
+  VertexTargets targets(mesh.points.size(), test::kFree);
   targets.back() = {8, 8, 8};
   for (const Index v : mesh.tets[0]) {
     Point3& to = targets[static_cast<std::size_t>(v)];
@@ -371,7 +373,7 @@ TEST(LiveMesh, RefusesWhatItCannotUse) {
   EXPECT_THROW(live.set_points(std::array{Index{0}, Index{1}}, origin), OptionError);
   EXPECT_THROW(live.set_points(std::array{Index{0}}, undefined), OptionError);
   EXPECT_THROW(live.move(VertexTargets(2)), OptionError);
-  EXPECT_THROW(live.move(VertexTargets(before.size(), Point3{kNan, kNan, kNan})), OptionError);
+  EXPECT_THROW(live.move(VertexTargets(before.size(), test::kFree)), OptionError);
   EXPECT_EQ(live.mesh().points, before);
   EXPECT_EQ(live.disturbed(), 0);
 }

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "move_fixture.hpp"
+#include "support/entities.hpp"
 #include "support/safe_points.hpp"
 #include "support/sanitized.hpp"
 
@@ -218,21 +219,7 @@ TEST(Move, DataAndTagsFollow) {
   const MoveReport r = move(after, target);
   ASSERT_TRUE(r.reached());
   EXPECT_EQ(std::get<std::vector<double>>(after.point_data[0].values), values);
-  double volumes[2] = {0, 0};
-  for (std::size_t t = 0; t < after.tets.size(); ++t) {
-    const auto& tet = after.tets[t];
-    Point3 e[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t c = 0; c < 3; ++c)
-        e[k][c] = after.points[to_size_t(tet[k + 1])][c] - after.points[to_size_t(tet[0])][c];
-    }
-    volumes[after.tet_tags[t] - 1] +=
-        (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-        6;
-  }
-  EXPECT_NEAR(volumes[0], 0.75, 1e-12);
-  EXPECT_NEAR(volumes[1], 0.75, 1e-12);
+  test::expect_near_by_tag(test::region_volumes(after), {{1, 0.75}, {2, 0.75}}, 1e-12);
 }
 
 TEST(Move, ProgressReachesTheEnd) {

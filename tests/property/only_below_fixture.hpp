@@ -21,6 +21,12 @@ inline bool is_bad(const Measures& m, const Target& limit) {
   return larger_is_better(limit.measure) ? value < limit.value : value > limit.value;
 }
 
+/// The number of tetrahedra that miss a limit.
+inline std::int64_t count_missing(const TetMesh& mesh, const Target& limit) {
+  const std::vector<Measures> measures = measure_each(mesh);
+  return std::count_if(measures.begin(), measures.end(), [&](const Measures& m) { return is_bad(m, limit); });
+}
+
 /// The active tetrahedra by the definition, one ring after the other.
 inline std::vector<bool> active_by_definition(const TetMesh& mesh, const Options& options) {
   std::vector<bool> active;
@@ -100,6 +106,7 @@ inline double limit_missed_by(const TetMesh& mesh, double part, Measure measure 
   std::vector<double> values;
   for (const Measures& m : measure_each(mesh)) values.push_back(m[static_cast<std::size_t>(measure)]);
   std::sort(values.begin(), values.end());
+  if (!larger_is_better(measure)) std::reverse(values.begin(), values.end());
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
 }
 

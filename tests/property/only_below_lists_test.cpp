@@ -2,29 +2,19 @@
 // Options::only_below: listed edges, triangles and corners of the active part.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <set>
-
 #include "backend/span.hpp"
 #include "mesh/tet.hpp"
+#include "support/entities.hpp"
 #include "support/meshes.hpp"
 #include "tetune/optimize.hpp"
 
 namespace tetune {
 namespace {
 
-std::set<std::array<Index, 2>> edges_of(const TetMesh& mesh) {
-  std::set<std::array<Index, 2>> edges;
-  for (const auto& tet : mesh.tets) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = 0; j < i; ++j) edges.insert({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
-    }
-  }
-  return edges;
-}
+using test::edges_of;
+using test::faces_of;
 
-TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
+TEST(OnlyBelowLimit, ListedEdgesThatNoLongerExistAreDropped) {
   std::int64_t dropped = 0;
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     TetMesh mesh = test::cube(6, 0.2, seed);
@@ -36,20 +26,13 @@ TEST(OnlyBelowLimit, listed_edges_that_no_longer_exist_are_dropped) {
     options.rings = 0;
     dropped += optimize(mesh, options).edges_dropped;
     const auto existing = edges_of(mesh);
-    for (const auto& [a, b] : mesh.edges) EXPECT_TRUE(existing.contains({std::min(a, b), std::max(a, b)}));
+    for (const auto& [a, b] : mesh.edges) EXPECT_TRUE(existing.contains(ascending(a, b)));
   }
   EXPECT_GT(dropped, 0);
 }
 
 /// A triangle inside the part may have frozen vertices alone.
-TEST(OnlyBelowLimit, listed_triangles_that_no_longer_are_faces_are_dropped) {
-  const auto faces_of = [](const TetMesh& mesh) {
-    std::set<std::array<Index, 3>> faces;
-    for (const auto& tet : mesh.tets) {
-      for (std::size_t f = 0; f < 4; ++f) faces.insert(ascending_face(tet, f));
-    }
-    return faces;
-  };
+TEST(OnlyBelowLimit, ListedTrianglesThatNoLongerAreFacesAreDropped) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     TetMesh mesh = test::cube(6, 0.2, seed);
     const auto before = faces_of(mesh);
@@ -67,7 +50,7 @@ TEST(OnlyBelowLimit, listed_triangles_that_no_longer_are_faces_are_dropped) {
 }
 
 /// The map of the part's report is empty then, as where all are kept.
-TEST(OnlyBelowLimit, listed_edges_are_dropped_where_the_part_keeps_none) {
+TEST(OnlyBelowLimit, ListedEdgesAreDroppedWhereThePartKeepsNone) {
   const TetMesh input = test::cube(6, 0.2);
   Options options;
   options.only_below = {{Measure::min_dihedral, 60}};
@@ -88,7 +71,7 @@ TEST(OnlyBelowLimit, listed_edges_are_dropped_where_the_part_keeps_none) {
 }
 
 /// A corner that is listed, and that the geometry does not show, is held as in the whole mesh.
-TEST(OnlyBelowLimit, listed_corners_do_not_move) {
+TEST(OnlyBelowLimit, ListedCornersDoNotMove) {
   TetMesh mesh = test::cube(8, 0.2, 3);
   for (Index v = 0; v < static_cast<Index>(mesh.points.size()) && mesh.corners.empty(); ++v) {
     const Point3& p = mesh.points[to_size_t(v)];

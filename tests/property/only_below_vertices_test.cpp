@@ -36,7 +36,7 @@ void split(TetMesh& mesh, std::size_t t) {
   }
 }
 
-TEST(OnlyBelowLimit, vertices_do_not_become_fewer) {
+TEST(OnlyBelowLimit, VerticesDoNotBecomeFewer) {
   Options options;
   options.effort = Effort::best;
   // Effort::best removes the vertex in the middle.
@@ -74,7 +74,7 @@ TetMesh with_vertices_to_remove() {
 class StoppedOnlyBelow : public testing::TestWithParam<Boundary> {};
 
 /// Where more vertices were removed than inserted until the stop, the part is optimized once more without either.
-TEST_P(StoppedOnlyBelow, result_is_valid_and_no_work_is_lost) {
+TEST_P(StoppedOnlyBelow, ResultIsValidAndNoWorkIsLost) {
   const TetMesh before = with_vertices_to_remove();
   Options options;
   options.effort = Effort::best;
@@ -118,7 +118,7 @@ TEST_P(StoppedOnlyBelow, result_is_valid_and_no_work_is_lost) {
 }
 INSTANTIATE_TEST_SUITE_P(Boundaries, StoppedOnlyBelow, testing::Values(Boundary::preserve, Boundary::slide));
 
-TEST(OnlyBelowLimit, a_stop_after_untangling_leaves_a_repaired_mesh) {
+TEST(OnlyBelowLimit, AStopAfterUntanglingLeavesARepairedMesh) {
   TetMesh mesh = with_vertices_to_remove();
   for (Point3& p : mesh.points) {
     if (std::abs(p[0] - 0.5) + std::abs(p[1] - 0.5) + std::abs(p[2] - 0.5) < 0.2) p[0] += 0.3;

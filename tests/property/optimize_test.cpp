@@ -114,9 +114,9 @@ TEST(Optimize, TheSurfaceKeepsItsSizes) {
         }
         if (energy == Energy::shape) {
           EXPECT_LT(most, part * (1 + 1e-9));
-          EXPECT_GT(most, 0.9 * part) << "no vertex wanted to go far";
+          EXPECT_GT(most, 0.9 * part) << "no vertex reached its bound";
         } else if (relocation == Relocation::newton) {
-          EXPECT_GT(most, part) << "the harmonic energy has no leash";
+          EXPECT_GT(most, part) << "the harmonic energy has no bound on the displacement";
         }
       }
     }
@@ -191,10 +191,7 @@ TEST(Optimize, IsTheSameForAnyNumberOfThreads) {
 TEST(Optimize, ARescaledMeshGivesTheSameMeshRescaled) {
   for (const double scale : {1000.0, 1e-3, 1e-100, 1e100}) {
     TetMesh plain = test::scrambled(test::cube(8, 0.2), 2);
-    TetMesh scaled = plain;
-    for (Point3& p : scaled.points) {
-      for (double& x : p) x *= scale;
-    }
+    TetMesh scaled = test::scaled(plain, scale);
     optimize(plain);
     optimize(scaled);
     EXPECT_EQ(plain.tets, scaled.tets);

@@ -32,6 +32,19 @@ TetMesh lattice_input() {
   return mesh;
 }
 
+/// A layer that the energy makes worse by other measures.
+TetMesh thin_layer() {
+  TetMesh mesh = test::cube(6, 0.2);
+  for (Point3& p : mesh.points) p[2] *= 0.02;
+  return mesh;
+}
+
+double smallest_scaled_jacobian(const TetMesh& mesh) {
+  double least = 1;
+  for (const Measures& m : measure_each(mesh)) least = std::min(least, m[std::size_t(Measure::scaled_jacobian)]);
+  return least;
+}
+
 TEST(OptimizeTowards, RoundsMakeFailingElementsPass) {
   for (const auto& [measure, limit] : {std::pair{CheckMeasure::equiangle_skew, 0.532},
                                        {CheckMeasure::volume_skew, 0.58},
@@ -55,11 +68,9 @@ TEST(OptimizeTowards, RoundsMakeFailingElementsPass) {
 
 /// A thin layer of which every tetrahedron meets the limit, and the energy would make some miss it.
 TEST(OptimizeTowards, AMeshThatPassesIsNotMadeToFail) {
-  TetMesh mesh = test::cube(6, 0.2);
-  for (Point3& p : mesh.points) p[2] *= 0.02;
+  TetMesh mesh = thin_layer();
   const TetMesh before = mesh;
-  double least = 1;
-  for (const Measures& m : measure_each(mesh)) least = std::min(least, m[std::size_t(Measure::scaled_jacobian)]);
+  const double least = smallest_scaled_jacobian(mesh);
   const AcceptanceCriteria criteria = one(CheckMeasure::scaled_jacobian, 0.999 * least);
   Options options;
   options.targets = {{Measure::scaled_jacobian, 1.001 * least}};
@@ -82,13 +93,11 @@ TEST(OptimizeTowards, AMeshThatPassesIsNotMadeToFail) {
   EXPECT_FALSE(report.optimization.phases.empty());
 }
 
-/// The input is put back with all that the report says about it.
+/// The report of an input that was put back is about the input.
 TEST(OptimizeTowards, AKeptInputIsReportedAsTheResult) {
-  TetMesh mesh = test::cube(6, 0.2);
-  for (Point3& p : mesh.points) p[2] *= 0.02;
+  TetMesh mesh = thin_layer();
   mesh.point_data.push_back({"field", 1, std::vector<double>(mesh.points.size(), 1.0)});
-  double least = 1;
-  for (const Measures& m : measure_each(mesh)) least = std::min(least, m[std::size_t(Measure::scaled_jacobian)]);
+  const double least = smallest_scaled_jacobian(mesh);
   const AcceptanceCriteria criteria = one(CheckMeasure::scaled_jacobian, 0.999 * least);
   Options options;
   TetMesh carried = mesh;
@@ -118,10 +127,8 @@ TetMesh layer_and_star(const Point3& apex) {
 /// A thin layer that the energy makes miss the limit, and beside it a cube with a flattened tetrahedron, which misses
 /// it.
 TEST(OptimizeTowards, WhereTheWholeGetsWorseOnlyWhatFailsIsOptimized) {
-  TetMesh mesh = test::cube(6, 0.2);
-  for (Point3& p : mesh.points) p[2] *= 0.02;
-  double least = 1;
-  for (const Measures& m : measure_each(mesh)) least = std::min(least, m[std::size_t(Measure::scaled_jacobian)]);
+  TetMesh mesh = thin_layer();
+  const double least = smallest_scaled_jacobian(mesh);
   const AcceptanceCriteria criteria = one(CheckMeasure::scaled_jacobian, 0.999 * least);
   const std::vector<Point3> layer = mesh.points;
   TetMesh block = test::cube(4);

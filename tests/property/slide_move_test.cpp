@@ -55,13 +55,7 @@ VertexTargets piston(const TetMesh& mesh, double x) {
   return target;
 }
 
-Options sliding(Effort effort, int threads) {
-  Options options;
-  options.boundary = Boundary::slide;
-  options.effort = effort;
-  options.threads = threads;
-  return options;
-}
+Options sliding(Effort effort, int threads) { return test::options_of(effort, Boundary::slide, threads); }
 
 std::size_t original_of(const Report& r, std::size_t v) {
   return r.vertex2original.empty() ? v : static_cast<std::size_t>(r.vertex2original[v]);

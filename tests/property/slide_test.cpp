@@ -176,10 +176,7 @@ TEST(Slide, ARescaledMeshGivesTheSameMeshRescaled) {
   for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
     for (const double scale : {1000.0, 1e-3}) {
       TetMesh plain = curved(1, 2);
-      TetMesh scaled = plain;
-      for (Point3& p : scaled.points) {
-        for (double& x : p) x *= scale;
-      }
+      TetMesh scaled = test::scaled(plain, scale);
       Options options;
       options.boundary = boundary;
       const Report a = optimize(plain, options);

@@ -9,6 +9,7 @@
 #include "mesh/tet.hpp"
 #include "support/constrained.hpp"
 #include "support/curved.hpp"
+#include "support/entities.hpp"
 #include "support/meshes.hpp"
 #include "tetune/optimize.hpp"
 #include "tetune/quality.hpp"
@@ -19,64 +20,17 @@ namespace {
 
 using Face = std::array<Index, 3>;
 
-Face sorted(Face f) {
-  std::sort(f.begin(), f.end());
-  return f;
-}
-
-/// Lists the faces on the sides of the unit cube, tagged 1 to 6, and those between two regions, tagged 7.
-TetMesh listed(TetMesh m) {
-  std::map<Face, std::pair<Face, int>> once;
-  for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    const auto& v = m.tets[t];
-    for (const Face& f :
-         {Face{v[1], v[2], v[3]}, Face{v[0], v[3], v[2]}, Face{v[0], v[1], v[3]}, Face{v[0], v[2], v[1]}}) {
-      const auto [at, is_new] = once.emplace(sorted(f), std::pair(f, m.tet_tags[t]));
-      if (is_new) continue;
-      if (at->second.second != m.tet_tags[t]) {
-        m.triangles.push_back(f);
-        m.triangle_tags.push_back(7);
-      }
-      once.erase(at);
-    }
-  }
-  for (const auto& [key, face] : once) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (const double side : {0.0, 1.0}) {
-        const auto is_on = [&](Index v) { return m.points[static_cast<std::size_t>(v)][k] == side; };
-        if (!std::all_of(key.begin(), key.end(), is_on)) continue;
-        m.triangles.push_back(face.first);
-        m.triangle_tags.push_back(static_cast<int>(1 + k) + (side == 1 ? 3 : 0));
-      }
-    }
-  }
-  return m;
-}
-
-double area(const TetMesh& m, const Face& f) {
-  const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
-  return 0.5 * norm(cross(p(f[1]) - p(f[0]), p(f[2]) - p(f[0])));
+/// The area of a triangle times its normal.
+Vec3 area_vector(const TetMesh& m, const Face& f) {
+  return 0.5 * cross(test::at(m, f[1]) - test::at(m, f[0]), test::at(m, f[2]) - test::at(m, f[0]));
 }
 
 std::map<int, double> area_by_tag(const TetMesh& m) {
   std::map<int, double> areas;
-  for (std::size_t i = 0; i < m.triangles.size(); ++i) areas[m.triangle_tags[i]] += area(m, m.triangles[i]);
-  return areas;
-}
-
-std::map<int, double> volume_by_tag(const TetMesh& m) {
-  std::map<int, double> volumes;
-  const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
-  for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    const auto& v = m.tets[t];
-    volumes[m.tet_tags[t]] += dot(cross(p(v[1]) - p(v[0]), p(v[2]) - p(v[0])), p(v[3]) - p(v[0])) / 6;
+  for (std::size_t i = 0; i < m.triangles.size(); ++i) {
+    areas[m.triangle_tags[i]] += norm(area_vector(m, m.triangles[i]));
   }
-  return volumes;
-}
-
-void expect_same(const std::map<int, double>& before, const std::map<int, double>& after) {
-  ASSERT_EQ(before.size(), after.size());
-  for (const auto& [tag, value] : before) EXPECT_NEAR(after.at(tag), value, 1e-11) << tag;
+  return areas;
 }
 
 Options editing() {
@@ -108,18 +62,18 @@ std::pair<int, int> surface_changes(const TetMesh& before, const TetMesh& after,
 TEST(SurfaceEdit, KeepsPatchesInterfacesAndLists) {
   std::pair<int, int> total{0, 0};
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
-    const TetMesh before =
-        listed(test::scrambled(seed % 2 == 0 ? test::two_materials(6, 0.3) : test::cube(5, 0.3, seed), 3, seed));
+    const TetMesh before = test::with_listed_sides(
+        test::scrambled(seed % 2 == 0 ? test::two_materials(6, 0.3) : test::cube(5, 0.3, seed), 3, seed));
     TetMesh after = before;
     const Report report = optimize(after, editing());
     ASSERT_TRUE(validate(after).ok());
     test::expect_present(after);
-    expect_same(area_by_tag(before), area_by_tag(after));
-    expect_same(volume_by_tag(before), volume_by_tag(after));
+    test::expect_near_by_tag(area_by_tag(after), area_by_tag(before), 1e-11);
+    test::expect_near_by_tag(test::region_volumes(after), test::region_volumes(before), 1e-11);
     // The list has each face of the surface once: listing again finds each a second time.
     std::multiset<Face> faces;
-    for (const Face& f : listed(after).triangles) faces.insert(sorted(f));
-    for (const Face& f : after.triangles) EXPECT_EQ(faces.count(sorted(f)), 2U);
+    for (const Face& f : test::with_listed_sides(after).triangles) faces.insert(ascending(f));
+    for (const Face& f : after.triangles) EXPECT_EQ(faces.count(ascending(f)), 2U);
     EXPECT_EQ(faces.size(), 2 * after.triangles.size());
     EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min);
     EXPECT_LE(static_cast<double>(after.tets.size()), 1.1 * static_cast<double>(before.tets.size()));
@@ -132,18 +86,14 @@ TEST(SurfaceEdit, KeepsPatchesInterfacesAndLists) {
 }
 
 TEST(SurfaceEdit, TrianglesDescendFromTheirPatch) {
-  const TetMesh before = listed(test::scrambled(test::cube(5, 0.3), 3, 1));
+  const TetMesh before = test::with_listed_sides(test::scrambled(test::cube(5, 0.3), 3, 1));
   TetMesh after = before;
   const Report report = optimize(after, editing());
   ASSERT_EQ(report.triangle2original.size(), after.triangles.size());
   for (std::size_t i = 0; i < after.triangles.size(); ++i) {
     const auto original = static_cast<std::size_t>(report.triangle2original[i]);
     EXPECT_EQ(after.triangle_tags[i], before.triangle_tags[original]);
-    const auto normal = [](const TetMesh& m, const Face& f) {
-      const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
-      return cross(p(f[1]) - p(f[0]), p(f[2]) - p(f[0]));
-    };
-    EXPECT_GT(dot(normal(after, after.triangles[i]), normal(before, before.triangles[original])), 0);
+    EXPECT_GT(dot(area_vector(after, after.triangles[i]), area_vector(before, before.triangles[original])), 0);
   }
 }
 
@@ -205,12 +155,13 @@ void expect_same_for_any_number_of_threads(const TetMesh& before, Options option
 }
 
 TEST(SurfaceEdit, IsTheSameForAnyNumberOfThreads) {
-  expect_same_for_any_number_of_threads(listed(test::scrambled(test::two_materials(6, 0.3), 3, 5)), editing());
+  expect_same_for_any_number_of_threads(test::with_listed_sides(test::scrambled(test::two_materials(6, 0.3), 3, 5)),
+                                        editing());
 }
 
-TEST(SurfaceEdit, HappensWhereItIsAskedForOnly) {
+TEST(SurfaceEdit, HappensWhereOptionsAllowItOnly) {
   const auto edits = [](const Options& options, unsigned seed = 3) {
-    const TetMesh before = listed(test::scrambled(test::cube(5, 0.3, seed), seed, 3));
+    const TetMesh before = test::with_listed_sides(test::scrambled(test::cube(5, 0.3, seed), seed, 3));
     TetMesh after = before;
     const Report report = optimize(after, options);
     const auto changes = surface_changes(before, after, report);
@@ -247,11 +198,11 @@ TEST(SurfaceEdit, HappensWhereItIsAskedForOnly) {
 }
 
 TEST(SurfaceEdit, LeavesConstraintsAlone) {
-  TetMesh before = listed(test::scrambled(test::cube(5, 0.3), 3, 4));
+  TetMesh before = test::with_listed_sides(test::scrambled(test::cube(5, 0.3), 3, 4));
   std::vector<Face> kept;
   for (std::size_t i = 0; i < before.triangles.size(); i += 5) {
     before.required_triangles.push_back(static_cast<Index>(i));
-    kept.push_back(sorted(before.triangles[i]));
+    kept.push_back(ascending(before.triangles[i]));
   }
   for (Index v = 0; v < 20; ++v) before.required_vertices.push_back(v);
   TetMesh after = before;
@@ -267,7 +218,7 @@ TEST(SurfaceEdit, LeavesConstraintsAlone) {
   for (std::size_t i = 0; i < kept.size(); ++i) {
     Face now{};
     for (std::size_t k = 0; k < 3; ++k) now[k] = original2new.at(kept[i][k]);
-    EXPECT_EQ(sorted(now), sorted(after.triangles[static_cast<std::size_t>(after.required_triangles[i])]));
+    EXPECT_EQ(ascending(now), ascending(after.triangles[static_cast<std::size_t>(after.required_triangles[i])]));
   }
   for (Index v = 0; v < 20; ++v) {
     EXPECT_EQ(after.points[static_cast<std::size_t>(original2new.at(v))], before.points[static_cast<std::size_t>(v)]);
@@ -327,7 +278,7 @@ TEST(SurfaceEdit, InsertsBetweenCorners) {
     test::expect_present(after);
     // Exactly on the edges: the bar keeps its shape.
     inserted += vertices_on_long_edges(after) - vertices_on_long_edges(before);
-    EXPECT_NEAR(volume_by_tag(after).at(0), 4, 1e-12);
+    EXPECT_NEAR(test::region_volumes(after).at(0), 4, 1e-12);
   }
   EXPECT_GT(inserted, 0);
 }

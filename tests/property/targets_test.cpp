@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "support/meshes.hpp"
@@ -137,7 +138,7 @@ TEST(Targets, RequiredElementsAndFrozenRegionsAreLocked) {
 
 /// A cube sheared to a wedge of atan(1 / 4) along two of its edges.
 TEST(Targets, TheAngleOfTheSurfaceIsTheProof) {
-  const double wedge = std::atan(0.25) * 180 / std::acos(-1);
+  const double wedge = std::atan(0.25) * 180 / std::numbers::pi;
   for (const double angle : {12.0, 20.0}) {
     for (const Boundary boundary : {Boundary::preserve, Boundary::fixed}) {
       TetMesh m = test::sheared(test::scrambled(test::cube(4), 2, 7), 4);
@@ -184,7 +185,7 @@ TEST(Targets, TheAngleBoundsMoreThanAngles) {
 TEST(Targets, NoElementDoesBetterThanItsAngleAllows) {
   const TetMesh m = test::sheared(test::cube(6, 0.35, 5), 1.5);
   for (const Measures& each : measure_each(m)) {
-    const double a = each[static_cast<std::size_t>(Measure::min_dihedral)] * std::acos(-1) / 180;
+    const double a = each[static_cast<std::size_t>(Measure::min_dihedral)] * std::numbers::pi / 180;
     const double bound = std::cbrt(std::pow(std::sqrt(8.0) * std::sin(a) / (3 - std::cos(a)), 2));
     for (const Measure measure : {Measure::mean_ratio, Measure::sicn, Measure::harmonic}) {
       EXPECT_LE(each[static_cast<std::size_t>(measure)], bound * (1 + 1e-12));

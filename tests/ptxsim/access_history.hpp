@@ -7,9 +7,9 @@ namespace tetune::ptxsim {
 
 enum class Access : u8 { read, write, atomic };
 
-/// The time of an access: within an epoch nothing orders threads. Of shared memory it is the time between two barriers
-/// of the block; of global memory the time between two barriers of the block in one launch, as no barrier orders the
-/// threads of different blocks.
+/// The time of an access: nothing orders threads within an epoch. An epoch of shared memory is the time between two
+/// barriers of the block; one of global memory the time between two barriers of the block in one launch, as no barrier
+/// orders the threads of different blocks.
 constexpr u32 kBlockEpochs = 1U << 12U;
 constexpr u32 global_epoch(u32 launch, u32 block_epoch) { return launch * kBlockEpochs + block_epoch % kBlockEpochs; }
 

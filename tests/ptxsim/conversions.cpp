@@ -7,7 +7,8 @@
 namespace tetune::ptxsim {
 namespace {
 
-// `bytes` is the size of the source in bytes, `elements` that of the result, `is_signed` of the source.
+// Fields of the instruction: `bytes` is the size of the source in bytes, `elements` that of the result; `is_signed`
+// whether the source is signed, `negated` whether the result is.
 
 u64 truncated(u64 x, u32 bits) { return x << (64 - bits) >> (64 - bits); }
 i64 sign_extended(u64 x, u32 bits) { return static_cast<i64>(x << (64 - bits)) >> (64 - bits); }

@@ -31,11 +31,11 @@ struct Results {
   TETUNE_HD void add(i32 value) { add(i64{value}); }
   TETUNE_HD void add(u32 value) { add(u64{value}); }
   TETUNE_HD void add(bool value) { add(value ? u64{1} : u64{0}); }
-  /// All NaN are equal, and so are the two zeros where their sign is not specified.
+  /// All NaN are equal.
   TETUNE_HD void add(double value) {
-    if (value != value) value = NAN;
-    memcpy(&bits[count++], &value, sizeof value);
-    if (value != value) bits[count - 1] = 0x7ff8000000000000U;
+    u64 pattern = 0x7ff8000000000000U;
+    if (value == value) memcpy(&pattern, &value, sizeof value);
+    add(pattern);
   }
   TETUNE_HD void add(float value) { add(static_cast<double>(value)); }
 };
@@ -86,6 +86,7 @@ TETUNE_HD void float_operations(const Operands& o, Results& r) {
                              std::trunc(o.y), std::rint(o.z), std::ceil(o.x)}) {
     r.add(value);
   }
+  // Of two zeros either may be the result; the sum is positive.
   r.add(std::fmin(o.x, o.y) + 0.0);
   r.add(std::fmax(o.x, o.y) + 0.0);
   for (const float value : {o.f + o.g, o.f * o.g, o.f / o.g, std::sqrt(o.f), o.f - o.g}) r.add(value);

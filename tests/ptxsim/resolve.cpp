@@ -41,7 +41,7 @@ void check_race(const Request& r, ByteHistory* history, const Accessor& accessor
 void check_written(const Request& r, GlobalMemory::Region& region, const GlobalMemory::Buffer& buffer) {
   u8* const written = &region.written[r.address - region.base];
   if (r.access != Access::write && std::memchr(written, 0, r.bytes) != nullptr) {
-    r.fail(Fault::unwritten, formatted("that nobody wrote, at byte %llu of a buffer of %llu",
+    r.fail(Fault::unwritten, formatted("that was never written, at byte %llu of a buffer of %llu",
                                        static_cast<unsigned long long>(r.address - buffer.begin),
                                        static_cast<unsigned long long>(buffer.end - buffer.begin)));
   }

@@ -72,7 +72,7 @@ cudaError_t copy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind k
   } else if (to_device) {
     memory.mark_written(address_of(to), bytes);
   } else if (memory.count_unwritten(address_of(from), bytes) > 0) {
-    return report_transfer(from, bytes, "to the host has bytes that nobody wrote");
+    return report_transfer(from, bytes, "to the host has bytes that were never written");
   }
   return cudaSuccess;
 }

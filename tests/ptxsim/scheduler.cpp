@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the lanes of a warp take turns where they diverge: those in the deepest call first, then those at the lowest
-// address, so that all meet again behind what they diverged at.
+// The order in which the lanes of a warp run where they diverge: those in the deepest call first, then those at the
+// lowest address, so that all converge behind the branch at which they diverged.
 #include "ptxsim/warp.hpp"
 
 namespace tetune::ptxsim {
 namespace {
 
-/// Lets lanes run that wait for lanes that have ended meanwhile. Whether there are any.
-bool wake_waiting_lanes(Warp& w) {
+/// Resumes lanes that wait for lanes which have ended meanwhile. Returns whether there are any.
+bool resume_waiting_lanes(Warp& w) {
   for (u32 l = 0; l < kLanes; ++l) {
     const Lane& lane = w.lanes[l];
     if (lane.state != LaneState::at_warp_sync) continue;
@@ -31,13 +31,13 @@ bool precedes(const Lane& a, const Lane& b) {
   return a.register_base != b.register_base ? a.register_base > b.register_base : a.pc < b.pc;
 }
 
-/// Chooses the active lanes. Whether any lane can run.
+/// Chooses the active lanes. Returns whether any lane can run.
 bool choose_active(Warp& w) {
   const Lane* first = nullptr;
   for (const Lane& lane : w.lanes) {
     if (lane.state == LaneState::running && (first == nullptr || precedes(lane, *first))) first = &lane;
   }
-  if (first == nullptr) return wake_waiting_lanes(w) && choose_active(w);
+  if (first == nullptr) return resume_waiting_lanes(w) && choose_active(w);
   LaneMask active = 0;
   w.lowest_other_pc = ~u32{0};
   for (u32 l = 0; l < kLanes; ++l) {
@@ -66,7 +66,7 @@ void execute_guarded(Warp& w, const Instruction& i) {
   w.set_active(all);
 }
 
-/// Runs the active lanes until they diverge, meet others, end, wait, or have run as many instructions as they may.
+/// Runs the active lanes until they diverge, reach others, end, wait, or reach the instruction number given.
 void run_active(Warp& w, u64 last_instruction) {
   LaunchCounts& counts = w.launch->counts;
   const auto lanes = static_cast<u64>(std::popcount(w.active));

@@ -67,7 +67,7 @@ struct Warp {
   u32 pc = 0, next_pc = 0;
   u32 register_base = 0;
   u32 lowest_other_pc = 0;   ///< of running lanes that are not active, at the same depth of calls
-  bool must_choose = false;  ///< the active lanes must be chosen afresh
+  bool must_choose = false;  ///< the active lanes must be chosen again
   bool pauses = false;       ///< the next warp is to run
   u64 instructions = 0;
   u64* registers = nullptr;
@@ -118,7 +118,7 @@ char* resolve_any(Warp& warp, u32 lane, u64 address, u32 bytes, Access access, c
                   Space& space);
 
 /// The memory behind an address that a lane accesses, after all checks, and its space. Where a check fails this is
-/// memory that nobody uses.
+/// memory that nothing else uses.
 inline char* resolve(Warp& warp, u32 lane, u64 address, u32 bytes, Access access, const Instruction& instruction,
                      Space& space) {
   // Most accesses are to the lane's own stack.

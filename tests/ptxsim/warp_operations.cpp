@@ -15,8 +15,8 @@ LaneMask lanes_that_name(const u64* named, LaneMask mask, LaneMask among) {
   return lanes;
 }
 
-/// Whether all lanes of a group, which name `mask`, are active. If not, those that are wait for the others, or run when
-/// the others wait here already.
+/// Whether all lanes of a group, which name `mask`, are active. If not, the active ones wait for the others, or all of
+/// them run where the others wait here already.
 bool group_arrived(Warp& w, LaneMask group, LaneMask mask, const Instruction& i) {
   if ((group & ~mask) != 0) {
     problems().report(Fault::unnamed_lane, &i, [&] {
@@ -43,7 +43,7 @@ bool group_arrived(Warp& w, LaneMask group, LaneMask mask, const Instruction& i)
 }
 
 /// Whether all lanes that take part are here, in each of the groups of active lanes that name the same lanes. If not,
-/// the active lanes are chosen afresh.
+/// the active lanes are chosen again.
 bool all_arrived(Warp& w, Row row, const Instruction& i) {
   const u64* const named = w.row(row);
   bool all = true;

@@ -4,16 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
+#include <numbers>
 #include <random>
 #include <set>
 
 #include "boundary/boundary_triangles.hpp"
 #include "boundary/classify.hpp"
+#include "mesh/id_maps.hpp"
 #include "operators/engine/active_set.hpp"
 #include "operators/flips/boundary_flip.hpp"
 #include "operators/flips/flip_energy.hpp"
 #include "support/meshes.hpp"
+#include "support/random.hpp"
 #include "support/work.hpp"
 #include "tetune/validate.hpp"
 
@@ -46,8 +48,7 @@ struct BoundaryFlips {
     }
     state.constrained_keys.upload(cpu, keys);
     state.constrained_vertex.upload(cpu, on_edge);
-    std::vector<Index> vertices(mesh.points.size());
-    std::iota(vertices.begin(), vertices.end(), 0);
+    const std::vector<Index> vertices = identity_map(mesh.points.size());
     const ListedTriangles listed{
         {reinterpret_cast<const Index*>(mesh.triangles.data()), 3 * static_cast<Size>(mesh.triangles.size())},
         {mesh.triangle_tags.data(), static_cast<Size>(mesh.triangle_tags.size())},
@@ -69,10 +70,10 @@ struct BoundaryFlips {
   PassResult pass() {
     return boundary_flip_pass(cpu, work, criterion, state, boundary, {active.data(), static_cast<Size>(active.size())});
   }
+  /// The listed triangles of the mesh after the flips.
   std::vector<std::array<Index, 3>> listed_now(const TetMesh& mesh) {
-    std::vector<Index> same(mesh.points.size());
-    for (std::size_t v = 0; v < same.size(); ++v) same[v] = static_cast<Index>(v);
     std::vector<std::array<Index, 3>> now = mesh.triangles;
+    const std::vector<Index> same = identity_map(mesh.points.size());
     for (const auto& [entry, triangle] : follow_changes(boundary.triangles.download(), same, mesh.triangles).changes) {
       now[static_cast<std::size_t>(entry)] = triangle;
     }
@@ -89,9 +90,8 @@ struct BoundaryFlips {
   /// The faces that must stay inside, sorted.
   std::set<std::array<Index, 3>> inner_faces() {
     std::set<std::array<Index, 3>> all;
-    each_face([&](std::array<Index, 3> v, HalfFace link) {
-      std::sort(v.begin(), v.end());
-      if (link != kNoHalfFace && is_locked(link)) all.insert(v);
+    each_face([&](const std::array<Index, 3>& v, HalfFace link) {
+      if (link != kNoHalfFace && is_locked(link)) all.insert(ascending(v));
     });
     return all;
   }
@@ -118,9 +118,7 @@ struct BoundaryFlips {
     std::set<std::array<Index, 3>> outer_triangles;
     std::set<std::array<Index, 3>> inner_triangles;
     for (const BoundaryTriangle& t : boundary.triangles.download()) {
-      std::array<Index, 3> v{t.v[0], t.v[1], t.v[2]};
-      std::sort(v.begin(), v.end());
-      if (inside.count(v) == 1) {
+      if (const auto v = ascending(std::array{t.v[0], t.v[1], t.v[2]}); inside.count(v) == 1) {
         inner_triangles.insert(v);
       } else {
         outer_triangles.insert(from_lowest({t.v[0], t.v[1], t.v[2]}));
@@ -136,12 +134,12 @@ struct BoundaryFlips {
 /// shaken. Its two triangles on the plane are flat to the last bit.
 inline TetMesh fan(int n, std::uint32_t seed, double height = 0) {
   std::mt19937 random(seed);
-  const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  const auto uniform = [&random] { return test::uniform(random); };
   TetMesh m;
   m.points = {{0.3 * uniform(), -1.5 - uniform(), 0}, {0.3 * uniform(), 1.5 + uniform(), 0}};
   for (int i = 0; i <= n; ++i) {
     const bool in_plane = i == 0 || i == n;
-    const double angle = M_PI * (i + (in_plane ? 0 : 0.3 * (uniform() - 0.5))) / n;
+    const double angle = std::numbers::pi * (i + (in_plane ? 0 : 0.3 * (uniform() - 0.5))) / n;
     const double radius = 0.7 + 0.6 * uniform();
     m.points.push_back({-radius * std::cos(angle), 0.6 * uniform() - 0.3, in_plane ? 0 : radius * std::sin(angle)});
   }
@@ -153,7 +151,7 @@ inline TetMesh fan(int n, std::uint32_t seed, double height = 0) {
 /// Plain oracle: the least energy over all triangulations of the places i..k of a polygon around the edge (0, 1).
 inline double least_energy(const TetMesh& m, const std::vector<Index>& polygon, std::size_t i, std::size_t k) {
   if (k == i + 1) return 0;
-  const auto p = [&m](Index v) { return vec(m.points[static_cast<std::size_t>(v)]); };
+  const auto p = [&m](Index v) { return at(m, v); };
   double least = kInfeasible;
   for (std::size_t j = i + 1; j < k; ++j) {
     const Vec3 r[3] = {p(polygon[i]), p(polygon[j]), p(polygon[k])};

@@ -5,10 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <random>
 #include <set>
+#include <utility>
 #include <vector>
 
+#include "mesh/tet.hpp"
+#include "support/entities.hpp"
 #include "support/meshes.hpp"
 
 /// Meshes with something of each constraint, and what is left of it.
@@ -35,44 +39,60 @@ inline TetMesh varied(std::uint32_t seed) {
   return m;
 }
 
-inline std::set<std::array<Index, 4>> as_set(const TetMesh& m, const std::vector<Index>& ids) {
+/// The vertices of listed tetrahedra.
+inline std::set<std::array<Index, 4>> tets_with(const TetMesh& m, const std::vector<Index>& ids) {
   std::set<std::array<Index, 4>> set;
-  for (const Index id : ids) {
-    auto t = m.tets[static_cast<std::size_t>(id)];
-    std::sort(t.begin(), t.end());
-    set.insert(t);
-  }
+  for (const Index id : ids) set.insert(ascending(m.tets[static_cast<std::size_t>(id)]));
   return set;
 }
 
+/// The items whose tag is not 0.
 template <std::size_t N>
 std::set<std::array<Index, N>> tagged(const std::vector<std::array<Index, N>>& items, const std::vector<int>& tags) {
   std::set<std::array<Index, N>> set;
   for (std::size_t i = 0; i < items.size(); ++i) {
-    auto v = items[i];
-    std::sort(v.begin(), v.end());
-    if (tags[i] != 0) set.insert(v);
+    if (tags[i] != 0) set.insert(ascending(items[i]));
   }
   return set;
 }
 
 /// Each tagged face and edge is one of the mesh.
 inline void expect_present(const TetMesh& m) {
-  std::set<std::array<Index, 3>> faces;
-  std::set<std::array<Index, 2>> edges;
-  for (auto t : m.tets) {
-    std::sort(t.begin(), t.end());
-    for (std::size_t skip = 0; skip < 4; ++skip) {
-      std::array<Index, 3> f{};
-      for (std::size_t k = 0, at = 0; k < 4; ++k) {
-        if (k != skip) f[at++] = t[k];
-      }
-      faces.insert(f);
-      for (std::size_t k = skip + 1; k < 4; ++k) edges.insert({t[skip], t[k]});
-    }
-  }
+  const std::set<std::array<Index, 3>> faces = faces_of(m);
+  const std::set<std::array<Index, 2>> edges = edges_of(m);
   for (const auto& f : tagged(m.triangles, m.triangle_tags)) EXPECT_TRUE(faces.count(f) == 1);
   for (const auto& e : tagged(m.edges, m.edge_tags)) EXPECT_TRUE(edges.count(e) == 1);
+}
+
+/// Lists the faces on the sides of the unit cube, as seen from outside, with the tags 1 to 6, and those between two
+/// regions with the tag 7.
+inline TetMesh with_listed_sides(TetMesh m) {
+  std::map<std::array<Index, 3>, std::pair<std::array<Index, 3>, int>> once;  // by sorted vertices
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    const auto& v = m.tets[t];
+    const std::array<std::array<Index, 3>, 4> faces{
+        {{v[1], v[2], v[3]}, {v[0], v[3], v[2]}, {v[0], v[1], v[3]}, {v[0], v[2], v[1]}}};
+    for (const auto& f : faces) {
+      const auto [at, is_new] = once.emplace(ascending(f), std::pair(f, m.tet_tags[t]));
+      if (is_new) continue;
+      if (at->second.second != m.tet_tags[t]) {
+        m.triangles.push_back(f);
+        m.triangle_tags.push_back(7);
+      }
+      once.erase(at);
+    }
+  }
+  for (const auto& [key, face] : once) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const double side : {0.0, 1.0}) {
+        const auto is_on = [&](Index v) { return m.points[static_cast<std::size_t>(v)][k] == side; };
+        if (!std::all_of(key.begin(), key.end(), is_on)) continue;
+        m.triangles.push_back(face.first);
+        m.triangle_tags.push_back(static_cast<int>(1 + k) + (side == 1 ? 3 : 0));
+      }
+    }
+  }
+  return m;
 }
 
 }  // namespace tetune::test

@@ -11,6 +11,7 @@
 #include "curved/curved_edges.hpp"
 #include "math/closest_triangle.hpp"
 #include "mesh/tet.hpp"
+#include "support/entities.hpp"
 #include "support/meshes.hpp"
 #include "tetune/curve.hpp"
 
@@ -52,18 +53,12 @@ struct SkinFace {
 };
 
 inline std::vector<SkinFace> skin(const TetMesh& m) {
-  std::map<std::array<Index, 3>, std::vector<int>> sides;
-  for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    for (std::size_t k = 0; k < 4; ++k) sides[ascending_face(m.tets[t], k)].push_back(m.tet_tags[t]);
-  }
   std::map<std::array<Index, 3>, int> tags;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
-    auto f = m.triangles[t];
-    std::sort(f.begin(), f.end());
-    if (m.triangle_tags[t] != 0) tags[f] = m.triangle_tags[t];
+    if (m.triangle_tags[t] != 0) tags[ascending(m.triangles[t])] = m.triangle_tags[t];
   }
   std::vector<SkinFace> faces;
-  for (const auto& [f, regions] : sides) {
+  for (const auto& [f, regions] : face2tags(m)) {
     if (regions.size() == 2 && regions[0] == regions[1]) continue;
     const int other = regions.size() == 2 ? regions[1] : SkinFace::kOutside;
     const auto tag = tags.find(f);
@@ -72,8 +67,6 @@ inline std::vector<SkinFace> skin(const TetMesh& m) {
   }
   return faces;
 }
-
-inline Vec3 at(const TetMesh& m, Index v) { return vec(m.points[static_cast<std::size_t>(v)]); }
 
 inline TrianglePoints corners(const TetMesh& m, const SkinFace& f) {
   return {at(m, f.v[0]), at(m, f.v[1]), at(m, f.v[2])};
@@ -104,9 +97,7 @@ inline PlainFeatures plain_features(const TetMesh& m, const std::vector<SkinFace
   std::map<std::array<Index, 2>, std::vector<const SkinFace*>> edge2faces;
   for (const SkinFace& f : faces) {
     for (std::size_t k = 0; k < 3; ++k) {
-      std::array<Index, 2> e{f.v[k], f.v[(k + 1) % 3]};
-      std::sort(e.begin(), e.end());
-      edge2faces[e].push_back(&f);
+      edge2faces[ascending(f.v[k], f.v[(k + 1) % 3])].push_back(&f);
       result.degree[f.v[k]];
     }
   }

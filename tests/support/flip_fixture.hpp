@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "math/orient.hpp"
 #include "operators/flips/flip_pass.hpp"
+#include "support/entities.hpp"
 #include "support/work.hpp"
 #include "tetune/validate.hpp"
 
@@ -76,21 +76,10 @@ inline std::set<std::array<Index, 3>> locked_faces(CpuMesh& work) {
       if (!is_locked(view.tet2tet[t][f])) continue;
       std::array<Index, 3> face{};
       for (int k = 0; k < 3; ++k) face[static_cast<std::size_t>(k)] = view.tet2vertex[t][face_vertex(f, k)];
-      std::sort(face.begin(), face.end());
-      faces.insert(face);
+      faces.insert(ascending(face));
     }
   }
   return faces;
-}
-
-/// Volume of each region, of a mesh whose tags are 0, 1 and 2.
-inline std::array<double, 3> region_volumes(const TetMesh& m) {
-  std::array<double, 3> volumes{};
-  for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    const auto p = [&](std::size_t k) { return vec(m.points[static_cast<std::size_t>(m.tets[t][k])]); };
-    volumes[static_cast<std::size_t>(m.tet_tags[t])] += orient(p(0), p(1), p(2), p(3)).det / 6;
-  }
-  return volumes;
 }
 
 }  // namespace tetune::test

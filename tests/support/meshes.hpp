@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "math/vec3.hpp"
 #include "reference/generate.hpp"
 #include "tetune/mesh.hpp"
 
@@ -46,6 +47,8 @@ inline TetMesh three_tets(double apex_height) {
 
 using reference::scrambled;
 
+inline Vec3 at(const TetMesh& mesh, Index vertex) { return vec(mesh.points[static_cast<std::size_t>(vertex)]); }
+
 inline Point3 centroid(const TetMesh& mesh, std::size_t tet) {
   Point3 sum{};
   for (const Index v : mesh.tets[tet]) {
@@ -56,6 +59,14 @@ inline Point3 centroid(const TetMesh& mesh, std::size_t tet) {
 
 /// An n x n x n cube of unit edge: see reference::lattice().
 inline TetMesh cube(int n, double jitter = 0, std::uint32_t seed = 1) { return reference::lattice(n, jitter, seed); }
+
+/// Multiplies all coordinates by a factor.
+inline TetMesh scaled(TetMesh mesh, double factor) {
+  for (Point3& p : mesh.points) {
+    for (double& x : p) x *= factor;
+  }
+  return mesh;
+}
 
 /// Applies the affine map x += shear * y, which preserves all volumes.
 inline TetMesh sheared(TetMesh mesh, double shear) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 #include <set>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "backend/cpu.hpp"
 #include "boundary/sliding/surface_element.hpp"
 #include "mesh/csr.hpp"
+#include "support/random.hpp"
 
 /// Small reference surfaces for tests.
 namespace tetune::test {
@@ -109,14 +109,6 @@ TinySurface height_field_with_line(int n, const Height& z) {
 /// Two triangles folded upwards at their common edge (0, 1).
 inline TinySurface folded(double apex_height) {
   return {{{0, 0, 0}, {0, 1, 0}, {-1, 0.5, apex_height}, {1, 0.5, apex_height}}, {{0, 1, 2}, {1, 0, 3}}};
-}
-
-inline double uniform(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
-
-inline Vec3 random_vec(std::mt19937& random) {
-  const double x = 2 * uniform(random) - 1;
-  const double y = 2 * uniform(random) - 1;
-  return {x, y, 2 * uniform(random) - 1};
 }
 
 inline double flat(double, double) { return 0; }

@@ -49,8 +49,7 @@ inline std::string check_adjacency(CpuMesh& work) {
     for (int f = 0; f < 4; ++f) {
       std::array<Index, 3> key{};
       for (std::size_t k = 0; k < 3; ++k) key[k] = view.tet2vertex[t][face_vertex(f, static_cast<int>(k))];
-      std::sort(key.begin(), key.end());
-      faces[key].push_back(make_half_face(t, f));
+      faces[ascending(key)].push_back(make_half_face(t, f));
     }
   }
   for (const auto& [key, half_faces] : faces) {

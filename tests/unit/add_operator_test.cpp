@@ -75,7 +75,7 @@ TEST(AddOperator, ThreeTetsAroundALongEdgeBecomeTwo) {
   EXPECT_EQ(r.counts.flips(), 1);
   EXPECT_NEAR(r.decrease, 40.2701812759764 - 20.784609690826525, 1e-10);
   std::vector<std::array<Index, 4>> tets = f.result().tets;
-  for (auto& t : tets) std::sort(t.begin(), t.end());
+  for (auto& t : tets) t = ascending(t);
   EXPECT_EQ(tets, (std::vector<std::array<Index, 4>>{{0, 2, 3, 4}, {1, 2, 3, 4}}));
   EXPECT_EQ(f.flipped, std::vector<std::uint8_t>(5, 1));
   EXPECT_EQ(f.state.active.download(), (std::vector<Index>{0, 1}));

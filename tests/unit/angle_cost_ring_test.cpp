@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "support/meshes.hpp"
@@ -32,7 +33,7 @@ TEST(AngleCostRing, IncreasesTheSmallestAngle) {
   int first = 0;
   Vec3 x = vec(m.points[4]);
   const double before = ring.largest_cost(x, 1e300, first);
-  EXPECT_NEAR(before, 1 / std::tan(quality(m).dihedral_min * 3.14159265358979324 / 180), 1e-9);
+  EXPECT_NEAR(before, 1 / std::tan(quality(m).dihedral_min * std::numbers::pi / 180), 1e-9);
   ASSERT_TRUE(minimize(ring, x, {VertexDof::free, {}}, 0));
   // The angles of all four tetrahedra are equal in the middle only.
   EXPECT_NEAR(norm(x), 0, 0.05);

@@ -11,6 +11,7 @@
 #include "boundary/vertex_dof.hpp"
 #include "math/closest_triangle.hpp"
 #include "support/meshes.hpp"
+#include "support/random.hpp"
 #include "support/sanitized.hpp"
 #include "tetune/error.hpp"
 #include "tetune/optimize.hpp"
@@ -259,7 +260,7 @@ TEST(ReferenceSurface, IsRejectedWhereItsSegmentsExceed32Bits) {
 TEST(ClosestTriangle, OfADegenerateTriangleIsOnItsEdges) {
   // Where two vertices coincide, rounding may produce a normal.
   std::mt19937 random(5);
-  const auto u = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  const auto u = [&random] { return test::uniform(random); };
   for (int i = 0; i < 1000; ++i) {
     const Vec3 a{u(), u(), u()};
     const Vec3 b{u(), u(), u()};
@@ -275,7 +276,7 @@ TEST(ClosestTriangle, OfADegenerateTriangleIsOnItsEdges) {
 
 TEST(ClosestTriangle, EqualsTheMinimumOverAllTriangles) {
   std::mt19937 random(3);
-  const auto u = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  const auto u = [&random] { return test::uniform(random); };
   std::vector<TrianglePoints> triangles;
   for (int i = 0; i < 300; ++i) {
     const Vec3 c{u(), u(), u()};

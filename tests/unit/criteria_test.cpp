@@ -28,13 +28,6 @@ TetMesh regular() {
   return test::with_tags(m);
 }
 
-TetMesh scaled(TetMesh mesh, double factor) {
-  for (Point3& p : mesh.points) {
-    for (double& x : p) x *= factor;
-  }
-  return mesh;
-}
-
 CriterionResult result_of(const TetMesh& mesh, const AcceptanceCriterion& criterion, int threads = 1) {
   return check(mesh, {"test", {criterion}}, threads).results.at(0);
 }
@@ -42,7 +35,7 @@ CriterionResult result_of(const TetMesh& mesh, const AcceptanceCriterion& criter
 /// The worst value of a measure.
 double worst(const TetMesh& mesh, CheckMeasure measure) { return result_of(mesh, {measure, 0.0, {}}).worst; }
 
-TEST(CheckMeasures, table_is_in_order) {
+TEST(CheckMeasures, TableIsInOrder) {
   std::set<std::string> names;
   std::size_t k = 0;
   for (const CheckMeasureInfo& measure : check_measures()) {
@@ -54,7 +47,7 @@ TEST(CheckMeasures, table_is_in_order) {
   EXPECT_EQ(find_check_measure("beauty"), nullptr);
 }
 
-TEST(CheckMeasures, the_first_ones_are_those_of_quality) {
+TEST(CheckMeasures, TheFirstOnesAreThoseOfQuality) {
   const TetMesh mesh = test::cube(3, 0.2);
   const Quality quality = measure_all(mesh, 1, 1);
   for (std::size_t k = 0; k < kMeasures; ++k) {
@@ -64,7 +57,7 @@ TEST(CheckMeasures, the_first_ones_are_those_of_quality) {
   }
 }
 
-TEST(CheckMeasures, regular_tetrahedron) {
+TEST(CheckMeasures, RegularTetrahedron) {
   const double edge = 2 * std::sqrt(2.0);
   const double altitude = edge * std::sqrt(2.0 / 3);
   for (const auto& [measure, expected] : {std::pair{CheckMeasure::volume, 8.0 / 3},
@@ -86,12 +79,12 @@ TEST(CheckMeasures, regular_tetrahedron) {
   }
 }
 
-TEST(CheckMeasures, volumes_beyond_the_range_of_doubles_are_its_ends) {
+TEST(CheckMeasures, VolumesBeyondTheRangeOfDoublesAreItsEnds) {
   const TetMesh cube = test::cube(2, 0.2);
   for (const auto& [scale, expected] : {std::pair{1e-149, std::numeric_limits<double>::min()},
                                         {1e-101, worst(cube, CheckMeasure::volume) * 1e-101 * 1e-101 * 1e-101},
                                         {1e149, std::numeric_limits<double>::max()}}) {
-    TetMesh mesh = scaled(cube, scale);
+    TetMesh mesh = test::scaled(cube, scale);
     EXPECT_NEAR(worst(mesh, CheckMeasure::volume) / expected, 1, 1e-12) << scale;
     for (const AcceptanceCriteria& preset : preset_criteria()) {
       if (preset.name == "calculix" && scale < 1) continue;  // its limit is no sign
@@ -105,7 +98,7 @@ TEST(CheckMeasures, volumes_beyond_the_range_of_doubles_are_its_ends) {
 }
 
 /// Three points on a line to rounding, whose volume with a fourth one has a sign that floating-point arithmetic misses.
-TEST(CheckMeasures, volumes_have_the_exact_sign) {
+TEST(CheckMeasures, VolumesHaveTheExactSign) {
   TetMesh mesh = test::one_tet();
   for (int i = 0; i < 16; ++i) {
     for (int k = 0; k < 16; ++k) {
@@ -119,7 +112,7 @@ TEST(CheckMeasures, volumes_have_the_exact_sign) {
 }
 
 /// A sliver: its faces are well shaped, and the angles between them are not.
-TEST(CheckMeasures, equiangle_skew_counts_dihedral_angles) {
+TEST(CheckMeasures, EquiangleSkewCountsDihedralAngles) {
   TetMesh mesh = test::one_tet();
   const double z = 0.01;
   mesh.points = {{-1, 0, z}, {1, 0, z}, {0, -1, -z}, {0, 1, -z}};
@@ -133,9 +126,9 @@ TEST(CheckMeasures, equiangle_skew_counts_dihedral_angles) {
               std::max((largest - regular) / (180 - regular), (regular - smallest) / regular), 1e-12);
 }
 
-TEST(CheckMeasures, corner_of_a_cube) {
+TEST(CheckMeasures, CornerOfACube) {
   for (const double scale : {1.0, 1e-90, 1e90}) {
-    const TetMesh mesh = scaled(test::one_tet(), scale);
+    const TetMesh mesh = test::scaled(test::one_tet(), scale);
     for (const auto& [measure, expected] : {std::pair{CheckMeasure::min_face_angle, 45.0},
                                             {CheckMeasure::max_face_angle, 90.0},
                                             {CheckMeasure::equiangle_skew, 0.25},
@@ -159,7 +152,7 @@ TetMesh leaning() {
   return mesh;
 }
 
-TEST(CheckMeasures, angles_have_the_same_bits_everywhere) {
+TEST(CheckMeasures, AnglesHaveTheSameBitsEverywhere) {
   // C libraries differ in the last bits: one has ...46p+7, ...6fp+5 and ...ecp+5.
   EXPECT_EQ(angle_between({-1, 5, 2}, {5, -5, -4}), 0x1.294bbfa6e5045p+7);
   EXPECT_EQ(angle_between({0, 4, -1}, {-2, 2, 0}), 0x1.757d38b86856ep+5);
@@ -167,7 +160,7 @@ TEST(CheckMeasures, angles_have_the_same_bits_everywhere) {
   EXPECT_EQ(angle_between({1, 0, 0}, {0, 1, 0}), 90);
 }
 
-TEST(CheckMeasures, faces) {
+TEST(CheckMeasures, Faces) {
   // Between the centroids (1/4, 0, 1/4) and (0, 0, -1/4), through the face at (1/8, 0, 0); the face has its corners at
   // a distance of 1 from its centroid, the origin, in this direction.
   EXPECT_NEAR(worst(leaning(), CheckMeasure::non_orthogonality), std::atan(0.5) * 180 / std::acos(-1.0), 1e-12);
@@ -180,7 +173,7 @@ TEST(CheckMeasures, faces) {
   EXPECT_NEAR(worst(test::two_tets(std::sqrt(2.0)), CheckMeasure::orthogonal_quality), 1, 1e-14);
 }
 
-TEST(CheckMeasures, skewness_of_one_face) {
+TEST(CheckMeasures, SkewnessOfOneFace) {
   const double s = std::sqrt(3.0) / 2;
   const Vec3 corners[3] = {{1, 0, 0}, {-0.5, s, 0}, {-0.5, -s, 0}};
   const Vec3 own{0.25, 0, 0.25};
@@ -195,7 +188,7 @@ TEST(CheckMeasures, skewness_of_one_face) {
   EXPECT_NEAR(face_skewness(corners, {0, 0, -2}, far_above, &far_below), 1.5 / (0.2 * std::sqrt(1609.0)), 1e-14);
 }
 
-TEST(CheckMeasures, inverted_and_flat) {
+TEST(CheckMeasures, InvertedAndFlat) {
   TetMesh mesh = test::one_tet();
   std::swap(mesh.tets[0][2], mesh.tets[0][3]);
   EXPECT_NEAR(worst(mesh, CheckMeasure::volume), -1.0 / 6, 1e-15);
@@ -210,7 +203,7 @@ TEST(CheckMeasures, inverted_and_flat) {
   }
 }
 
-TEST(Acceptance, verdicts_by_limits_and_allowed_part) {
+TEST(Acceptance, VerdictsByLimitsAndAllowedPart) {
   const TetMesh mesh = test::cube(4, 0.25, 5);
   const std::vector<Measures> measures = measure_each(mesh);
   std::vector<double> ratios;
@@ -234,7 +227,7 @@ TEST(Acceptance, verdicts_by_limits_and_allowed_part) {
   EXPECT_EQ(judge(ratios[0], ratios[0], 0).verdict, Verdict::pass);
 }
 
-TEST(Acceptance, the_mesh_has_the_worst_verdict) {
+TEST(Acceptance, TheMeshHasTheWorstVerdict) {
   const TetMesh mesh = test::cube(4, 0.25, 5);
   AcceptanceCriteria criteria{"mine", {{CheckMeasure::mean_ratio, {}, 1e-3}, {CheckMeasure::edge_ratio, 1.0, {}}}};
   EXPECT_EQ(check(mesh, criteria).verdict, Verdict::warn);
@@ -249,7 +242,7 @@ TEST(Acceptance, the_mesh_has_the_worst_verdict) {
   EXPECT_EQ(check(TetMesh{}, criteria).verdict, Verdict::fail);
 }
 
-TEST(Acceptance, presets_are_complete) {
+TEST(Acceptance, PresetsAreComplete) {
   std::set<std::string> names;
   for (const AcceptanceCriteria& preset : preset_criteria()) {
     EXPECT_EQ(find_preset(preset.name), &preset);
@@ -263,7 +256,7 @@ TEST(Acceptance, presets_are_complete) {
   EXPECT_EQ(find_preset("Abaqus"), nullptr);
 }
 
-TEST(Acceptance, wrong_criteria_are_refused) {
+TEST(Acceptance, WrongCriteriaAreRefused) {
   const TetMesh mesh = test::one_tet();
   const auto refusal = [&](const AcceptanceCriterion& criterion) -> std::string {
     try {

@@ -289,14 +289,8 @@ TEST(SurfaceMiddles, TimeIsLinearInTheTrianglesAroundAVertex) {
 
 /// Squared distances overflow, so that no sheet of the finer surface is the nearest one.
 TEST(Curve, HugeUnitsLeaveTheSurfaceStraight) {
-  const auto huge = [](TetMesh mesh) {
-    for (Point3& p : mesh.points) {
-      for (double& x : p) x *= 1e170;
-    }
-    return mesh;
-  };
-  TetMesh m = huge(test::ball(2, 0));
-  const TetMesh finer = huge(test::ball(4, 0));
+  TetMesh m = test::scaled(test::ball(2, 0), 1e170);
+  const TetMesh finer = test::scaled(test::ball(4, 0), 1e170);
   CurveOptions options;
   options.surface = &finer;
   curve(m, options);

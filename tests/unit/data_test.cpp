@@ -66,9 +66,8 @@ TEST(Data, InsertedVerticesTakeValuesInAnyUnit) {
   vertex2original[62] = -1;
   const std::vector<double> field(m.points.size(), 3);
   for (const double unit : {1e-200, 1e160}) {
-    TetMesh scaled = m;
-    for (Point3& p : scaled.points) p = {unit * p[0], unit * p[1], unit * p[2]};
-    const auto data = carry_point_data({{"three", 1, field}}, vertex2original, scaled.points, scaled.tets);
+    const TetMesh in_unit = scaled(m, unit);
+    const auto data = carry_point_data({{"three", 1, field}}, vertex2original, in_unit.points, in_unit.tets);
     EXPECT_NEAR(std::get<std::vector<double>>(data[0].values)[62], 3, 1e-12);
   }
 }

@@ -8,6 +8,7 @@
 #include "boundary/sliding/deviation_bound.hpp"
 #include "boundary/sliding/trace.hpp"
 #include "math/closest_triangle.hpp"
+#include "support/curved.hpp"
 #include "support/surface.hpp"
 
 namespace tetune {
@@ -19,6 +20,7 @@ using test::flat;
 using test::height_field;
 using test::height_field_with_line;
 using test::random_vec;
+using test::sampled_distance;
 using test::TinySurface;
 using test::uniform;
 using Pack = backend::Cpu::Pack;
@@ -86,23 +88,9 @@ struct SlidSurface {
       now.push_back(triangle(t, points));
       before.push_back(triangle(t, s.points));
     }
-    return std::max(farthest(now, ClosestTriangle(before)), farthest(before, ClosestTriangle(now)));
-  }
-
- private:
-  static double farthest(const std::vector<TrianglePoints>& from, const ClosestTriangle& to) {
     constexpr int kSamples = 8;
-    double max2 = 0;
-    for (const TrianglePoints& t : from) {
-      for (int a = 0; a <= kSamples; ++a) {
-        for (int b = 0; a + b <= kSamples; ++b) {
-          const Vec3 p = t[0] + (static_cast<double>(a) / kSamples) * (t[1] - t[0]) +
-                         (static_cast<double>(b) / kSamples) * (t[2] - t[0]);
-          max2 = std::max(max2, to.distance2(p));
-        }
-      }
-    }
-    return std::sqrt(max2);
+    return std::max(sampled_distance(now, ClosestTriangle(before), kSamples),
+                    sampled_distance(before, ClosestTriangle(now), kSamples));
   }
 };
 

@@ -25,7 +25,7 @@ TEST(Devices, SystemsWithoutAGpuToUseAreDistinguished) {
   CudaSystem no_driver = usable_system();
   no_driver.driver = 0;
   no_driver.devices = 0;
-  no_driver.error = "CUDA driver version is insufficient for CUDA runtime version";  // what CUDA says then
+  no_driver.error = "CUDA driver version is insufficient for CUDA runtime version";  // CUDA's message then
   expect_says(why_no_gpu(no_driver), {"no NVIDIA driver", "nvidia-smi", "device=cpu"});
 
   CudaSystem old_driver = no_driver;

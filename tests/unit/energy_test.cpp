@@ -7,34 +7,12 @@
 #include "energy/ring.hpp"
 #include "energy/simd_ring.hpp"
 #include "support/quad.hpp"
-#include "support/surface.hpp"
+#include "support/random.hpp"
 
 namespace tetune {
 namespace {
 
 using test::random_vec;
-
-using Real = test::Quad;
-
-/// eta by its definition (Eq. 5), in 113-bit arithmetic.
-Real plain_eta(const Vec3 p[4]) {
-  const auto sub = [](const Vec3& a, const Vec3& b) {
-    return std::array<Real, 3>{Real(a.x) - b.x, Real(a.y) - b.y, Real(a.z) - b.z};
-  };
-  const auto cr = [](const std::array<Real, 3>& a, const std::array<Real, 3>& b) {
-    return std::array<Real, 3>{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  };
-  const auto dt = [](const std::array<Real, 3>& a, const std::array<Real, 3>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  };
-  Real area2 = 0;
-  for (int f = 0; f < 4; ++f) {
-    const Vec3& a = p[face_vertex(f, 0)];
-    const auto n = cr(sub(p[face_vertex(f, 1)], a), sub(p[face_vertex(f, 2)], a));
-    area2 += dt(n, n) / 4;
-  }
-  return area2 / (dt(cr(sub(p[1], p[0]), sub(p[2], p[0])), sub(p[3], p[0])) / 6);
-}
 
 /// A ring whose faces are those of a regular icosahedron with displaced vertices, without the first `drop` ones.
 struct Ring20 {
@@ -111,7 +89,7 @@ TEST(HarmonicIndex, AgreesWithItsDefinition) {
     const TetEnergy e = tet_energy(kHarmonicObjective, p[0], p[1], p[2], p[3]);
     if (!e.certified) continue;
     ++positive;
-    const double expected = static_cast<double>(plain_eta(p));
+    const double expected = static_cast<double>(plain_eta(test::quad_tet(p)));
     EXPECT_NEAR(e.energy, expected, 1e-10 * expected);
   }
   EXPECT_GT(positive, 800);
@@ -127,7 +105,7 @@ TEST(HarmonicIndex, OfSliversStaysWithinTheErrorOfTheVolume) {
       const Orient o = orient(p[0], p[1], p[2], p[3]);
       if (o.det < 0) std::swap(p[2], p[3]);
       const TetEnergy e = tet_energy(kHarmonicObjective, p[0], p[1], p[2], p[3]);
-      const double expected = static_cast<double>(plain_eta(p));
+      const double expected = static_cast<double>(plain_eta(test::quad_tet(p)));
       EXPECT_TRUE(e.certified);
       EXPECT_NEAR(e.energy, expected, (4 * o.bound / std::fabs(o.det) + 1e-13) * expected);
     }

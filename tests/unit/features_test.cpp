@@ -138,12 +138,14 @@ TEST(Features, AdjacencyAcrossEdgesIsSymmetric) {
   }
 }
 
-/// A prism of n sides around a center line, of the given number of layers; with `tip` it ends in an apex.
-TetMesh prism(int n, int layers, bool tip) {
+enum class PrismEnd { flat, apex };
+
+/// A prism of n sides around a center line, of the given number of layers.
+TetMesh prism(int n, int layers, PrismEnd end) {
   TetMesh m;
   for (int l = 0; l <= layers; ++l) {
     m.points.push_back({0, 0, static_cast<double>(l)});
-    const double r = tip ? 1 - static_cast<double>(l) / (layers + 1) : 1;
+    const double r = end == PrismEnd::apex ? 1 - static_cast<double>(l) / (layers + 1) : 1;
     for (int i = 0; i < n; ++i) {
       const double a = 2 * std::numbers::pi * i / n;
       m.points.push_back({r * std::cos(a), r * std::sin(a), static_cast<double>(l)});
@@ -162,14 +164,14 @@ TetMesh prism(int n, int layers, bool tip) {
       m.tets.push_back({column[0].first, column[0].second, column[1].second, column[2].second});
     }
   }
-  if (tip) {
+  if (end == PrismEnd::apex) {
     m.points.push_back({0, 0, layers + 1.0});
     for (int i = 0; i < n; ++i) {
       m.tets.push_back({axis(layers), at(layers, i), at(layers, i + 1), static_cast<Index>(m.points.size() - 1)});
     }
   }
   for (auto& t : m.tets) {
-    const auto p = [&](std::size_t k) { return vec(m.points[static_cast<std::size_t>(t[k])]); };
+    const auto p = [&](std::size_t k) { return test::at(m, t[k]); };
     if (dot(cross(p(1) - p(0), p(2) - p(0)), p(3) - p(0)) < 0) std::swap(t[2], t[3]);
   }
   return test::with_tags(m);
@@ -177,18 +179,18 @@ TetMesh prism(int n, int layers, bool tip) {
 
 TEST(Features, OfACylinderAreItsTwoCircles) {
   // 12 sides turn by 30 degrees each, and so do the circles at each vertex.
-  const TetMesh m = prism(12, 3, false);
+  const TetMesh m = prism(12, 3, PrismEnd::flat);
   expect_dofs(classify_sliding(m), 0, 2 * 12, 2 * 12 + 2, 2);
   // Below 30 degrees the edges between the sides are features too; they meet the circles in corners.
   expect_dofs(classify_sliding(m, 20), 2 * 12, 2 * 12, 2, 2);
   expect_dofs(classify_sliding(m, 180), 0, 0, 4 * 12 + 2, 2);
   // 6 sides turn by 60.
-  expect_dofs(classify_sliding(prism(6, 3, false)), 2 * 6, 2 * 6, 2, 2);
+  expect_dofs(classify_sliding(prism(6, 3, PrismEnd::flat)), 2 * 6, 2 * 6, 2, 2);
 }
 
 TEST(Features, OfAConeAreItsCircleAndNotItsApex) {
   // The edges at the apex turn by less than the angle: no feature ends there. A list of corners may contain it.
-  TetMesh m = prism(16, 3, true);
+  TetMesh m = prism(16, 3, PrismEnd::apex);
   expect_dofs(classify_sliding(m), 0, 16, 3 * 16 + 1 + 1, 3);
   m.corners = {static_cast<Index>(m.points.size() - 1)};
   expect_dofs(classify_sliding(m), 1, 16, 3 * 16 + 1, 3);

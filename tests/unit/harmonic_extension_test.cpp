@@ -160,7 +160,7 @@ TEST(HarmonicExtension, SameBitsForAnyNumberOfThreadsAndEmulated) {
   EXPECT_LT(largest_difference(solve(backend::Emulation(1), p, kTolerance), one), 1e-7);
 }
 
-/// A rigid translation is exact whatever the elements' sizes, and takes no iteration from the right guess.
+/// A rigid translation is exact whatever the elements' sizes, and takes no iteration from the right start.
 TEST(HarmonicExtension, ReproducesATranslation) {
   Problem p = cube_problem(4);
   const Vec3 shift{0.3, 0, 0};

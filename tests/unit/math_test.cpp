@@ -12,6 +12,7 @@
 #include "math/hilbert.hpp"
 #include "math/orient.hpp"
 #include "support/bits.hpp"
+#include "support/random.hpp"
 
 namespace tetune {
 namespace {
@@ -46,8 +47,8 @@ TEST(Orient, FilterNeverContradictsExactArithmetic) {
     // Points within a few units in the last place of one plane.
     Point3 p[4];
     for (auto& q : p) {
-      const double u = static_cast<double>(random()) / 4294967296.0;
-      const double v = static_cast<double>(random()) / 4294967296.0;
+      const double u = test::uniform(random);
+      const double v = test::uniform(random);
       q = {u, v, 0.3 * u + 0.7 * v + 1e-16 * (static_cast<double>(random() % 9) - 4)};
     }
     const Orient o = orient(vec(p[0]), vec(p[1]), vec(p[2]), vec(p[3]));

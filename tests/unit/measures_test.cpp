@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -55,7 +56,7 @@ std::vector<std::array<Point3, 4>> random_tets(int count) {
 }
 
 TEST(Measures, OfTheRegularTetrahedronAreOne) {
-  const double angle = std::acos(1.0 / 3) * 180 / M_PI;
+  const double angle = std::acos(1.0 / 3) * 180 / std::numbers::pi;
   expect_measures(measures_of(kRegular), {angle, angle, 1, 1, 1, 1, 1, 1, 1}, 1e-14);
 }
 
@@ -65,9 +66,9 @@ TEST(Measures, OfTheCornerTetrahedron) {
   const double big_r = std::sqrt(3.0) / 2;
   const double eta = (3 * 0.25 + 0.75) * 6;
   expect_measures(measures_of(kCornerOfCube),
-                  {std::acos(1 / std::sqrt(3.0)) * 180 / M_PI, 90, 12 * std::cbrt(0.25) / 9, 3 / std::sqrt(9 * 1.5),
-                   3 * r / big_r, std::sqrt(0.5), big_r / (3 * r), std::sqrt(2.0) / (2 * std::sqrt(6.0) * r),
-                   4.5 * std::sqrt(2.0) * std::cbrt(std::sqrt(2.0)) / eta},
+                  {std::acos(1 / std::sqrt(3.0)) * 180 / std::numbers::pi, 90, 12 * std::cbrt(0.25) / 9,
+                   3 / std::sqrt(9 * 1.5), 3 * r / big_r, std::sqrt(0.5), big_r / (3 * r),
+                   std::sqrt(2.0) / (2 * std::sqrt(6.0) * r), 4.5 * std::sqrt(2.0) * std::cbrt(std::sqrt(2.0)) / eta},
                   1e-14);
 }
 
@@ -80,8 +81,8 @@ TEST(Measures, OfASliver) {
     const double r = 3 * v / (4 * a);
     const double big_r = std::sqrt(1 + h * h / 4);
     // At an edge of 2: tan(half the angle) = 1 / h. At the others: sin = 3 l V / (2 A^2).
-    const double wide = 2 * std::atan(1 / h) * 180 / M_PI;
-    const double narrow = std::asin(3 * std::sqrt(2 + h * h) * v / (2 * a * a)) * 180 / M_PI;
+    const double wide = 2 * std::atan(1 / h) * 180 / std::numbers::pi;
+    const double narrow = std::asin(3 * std::sqrt(2 + h * h) * v / (2 * a * a)) * 180 / std::numbers::pi;
     const double product = 2 * (2 + h * h);
     expect_measures(measures_of(sliver(h)),
                     {narrow, wide, 12 * std::cbrt(9 * v * v) / l2, 18 * v / (std::sqrt(l2) * 2 * a), 3 * r / big_r,

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "driver/report/extend_report.hpp"
 #include "driver/report/unchanged.hpp"
@@ -67,7 +68,8 @@ TEST(Adjacency, AnEdgeOfManyTetrahedraIsMatched) {
   TetMesh m;
   constexpr int n = 500;
   m.points = {{0, 0, 0}, {0, 0, 1}};
-  for (int i = 0; i < n; ++i) m.points.push_back({std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n), 0.5});
+  for (int i = 0; i < n; ++i)
+    m.points.push_back({std::cos(2 * std::numbers::pi * i / n), std::sin(2 * std::numbers::pi * i / n), 0.5});
   for (int i = 0; i < n; ++i) m.tets.push_back({0, static_cast<Index>(2 + i), static_cast<Index>(2 + (i + 1) % n), 1});
   auto work = to_work(test::with_tags(m));
   EXPECT_TRUE(build_adjacency(backend::Cpu(2), work).ok());

@@ -2,13 +2,12 @@
 // Objectives compared with their definitions in 113-bit arithmetic.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <random>
 
 #include "energy/ring.hpp"
 #include "energy/simd_ring.hpp"
 #include "support/quad.hpp"
-#include "support/surface.hpp"
+#include "support/random.hpp"
 
 namespace tetune {
 namespace {
@@ -16,7 +15,6 @@ namespace {
 using test::random_vec;
 
 using Real = test::Quad;
-using Wide = std::array<Real, 3>;
 
 Real root(Real x) {
   // Newton's method refines the square root of a double to 113 bits; the scale keeps the double in range.
@@ -30,25 +28,11 @@ Real root(Real x) {
   return scale * r;
 }
 
-Wide wide(const Vec3& p) { return {p.x, p.y, p.z}; }
-Wide operator-(const Wide& a, const Wide& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Wide cross(const Wide& a, const Wide& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Real dot(const Wide& a, const Wide& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// The energies by areas and volume: eta (Eq. 5), and powers of (eta / eta_r)^(3/2), where eta_r^3 = 2187 volume.
-Real plain_energy(const Objective& objective, const std::array<Wide, 4>& p) {
-  Real area2 = 0;
-  for (int f = 0; f < 4; ++f) {
-    const auto v = [&](int k) { return p[static_cast<std::size_t>(face_vertex(f, k))]; };
-    const Wide n = cross(v(1) - v(0), v(2) - v(0));
-    area2 += dot(n, n) / 4;
-  }
-  const Real volume = dot(cross(p[1] - p[0], p[2] - p[0]), p[3] - p[0]) / 6;
-  const Real eta = area2 / volume;
+/// The energies by areas and volume: eta, and powers of (eta / eta_r)^(3/2), where eta_r^3 = 2187 volume.
+Real plain_energy(const Objective& objective, const test::QuadTet& p) {
+  const Real eta = plain_eta(p);
   if (!objective.shape) return eta;
-  Real shape = root(eta * eta * eta / (2187 * volume));
+  Real shape = root(eta * eta * eta / (2187 * plain_volume(p)));
   for (int i = 0; i < objective.log2_power; ++i) shape *= shape;
   return shape;
 }
@@ -141,8 +125,7 @@ TEST(Objective, AgreesWithItsDefinitionOnTetrahedraAndSlivers) {
         const TetEnergy e = tet_energy(objective, p[0], p[1], p[2], p[3]);
         if (!e.certified) continue;
         ++positive;
-        const auto expected =
-            static_cast<double>(plain_energy(objective, {wide(p[0]), wide(p[1]), wide(p[2]), wide(p[3])}));
+        const auto expected = static_cast<double>(plain_energy(objective, test::quad_tet(p)));
         EXPECT_NEAR(e.energy, expected, (1e-13 + 4 * o.bound / o.det) * expected);
       }
       EXPECT_GT(positive, 100);
@@ -167,11 +150,11 @@ void expect_derivatives(const Objective& objective, double flatness, std::uint32
     const RingModel m = OneFace(p + 1).template ring<Ring>(objective).model(p[0]);
     const Vec3 n = cross(p[2] - p[1], p[3] - p[1]);
     const Real h = Real(1e-8) * o.det / norm(n);
-    std::array<Wide, 4> at{wide(p[0]), wide(p[1]), wide(p[2]), wide(p[3])};
+    const test::QuadTet at = test::quad_tet(p);
     const auto energy = [&](int a, int da, int b, int db) {
-      std::array<Wide, 4> moved = at;
-      moved[0][static_cast<std::size_t>(a)] += da * h;
-      moved[0][static_cast<std::size_t>(b)] += db * h;
+      test::QuadTet moved = at;
+      moved[0].x[static_cast<std::size_t>(a)] += da * h;
+      moved[0].x[static_cast<std::size_t>(b)] += db * h;
       return plain_energy(objective, moved);
     };
     const double g[3] = {m.gradient.x, m.gradient.y, m.gradient.z};

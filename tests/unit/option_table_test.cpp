@@ -21,7 +21,7 @@ std::string refusal(const Options& options) {
   return "";
 }
 
-TEST(OptionTable, names_are_unique_and_defaults_are_accepted) {
+TEST(OptionTable, NamesAreUniqueAndDefaultsAreAccepted) {
   std::set<std::string> names;
   for (const OptionInfo& option : option_table()) {
     EXPECT_TRUE(names.insert(option.name).second) << option.name;
@@ -32,7 +32,7 @@ TEST(OptionTable, names_are_unique_and_defaults_are_accepted) {
   EXPECT_TRUE(ineffective_options({}).empty());
 }
 
-TEST(OptionTable, values_as_text) {
+TEST(OptionTable, ValuesAsText) {
   Options options;
   options.boundary = Boundary::slide;
   options.frozen_regions = {1, 20};
@@ -77,7 +77,7 @@ TEST(OptionTable, TextSetsEveryOption) {
   }
 }
 
-TEST(OptionTable, former_names_of_choices_are_found) {
+TEST(OptionTable, FormerNamesOfChoicesAreFound) {
   const OptionInfo& effort = *find_option("effort");
   EXPECT_STREQ(find_choice(effort, "default")->name, "standard");
   EXPECT_EQ(find_choice(effort, "standard"), find_choice(effort, "default"));
@@ -85,7 +85,7 @@ TEST(OptionTable, former_names_of_choices_are_found) {
   EXPECT_EQ(find_choice(effort, "heroic"), nullptr);
 }
 
-TEST(OptionTable, values_out_of_range_are_refused) {
+TEST(OptionTable, ValuesOutOfRangeAreRefused) {
   const auto with = [](auto member, auto value) {
     Options options;
     options.*member = value;
@@ -104,7 +104,7 @@ TEST(OptionTable, values_out_of_range_are_refused) {
             "the limit of only_below for mean_ratio is -1e-09; it must be above 0 and at most 1");
 }
 
-TEST(OptionTable, options_without_effect_are_named) {
+TEST(OptionTable, OptionsWithoutEffectAreNamed) {
   Options options;
   options.max_deviation = 0.1;
   options.feature_angle = 30;

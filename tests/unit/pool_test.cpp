@@ -236,7 +236,7 @@ TEST(EmulatedMemory, KernelsMayHoldNoHostAddress) {
 
 #ifdef GTEST_HAS_DEATH_TEST
 TEST(EmulatedMemoryDeathTest, TheHostMayNotAccessIt) {
-  const Emulation gpu(1, std::size_t{1} << 20, true);
+  const Emulation gpu(1, std::size_t{1} << 20, backend::HostAccess::ends_process);
   Emulation::Buffer<int> values(gpu, 10);
   gpu.fill(values.span(), 7);
   EXPECT_EQ(values.download()[9], 7);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "energy/quality_floor.hpp"
@@ -16,7 +17,7 @@ TEST(Quality, OfTheRegularTetrahedron) {
   TetMesh m = test::one_tet();
   m.points = {{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}};
   const Quality q = quality(m);
-  const double angle = std::acos(1.0 / 3) * 180 / M_PI;
+  const double angle = std::acos(1.0 / 3) * 180 / std::numbers::pi;
   EXPECT_NEAR(q.dihedral_min, angle, 1e-10);
   EXPECT_NEAR(q.dihedral_max, angle, 1e-10);
   EXPECT_NEAR(q.dihedral_5, angle, 0.01);
@@ -28,7 +29,7 @@ TEST(Quality, OfTheRegularTetrahedron) {
 
 TEST(Quality, OfTheCornerTetrahedron) {
   const Quality q = quality(test::one_tet());
-  EXPECT_NEAR(q.dihedral_min, std::acos(1 / std::sqrt(3.0)) * 180 / M_PI, 1e-10);
+  EXPECT_NEAR(q.dihedral_min, std::acos(1 / std::sqrt(3.0)) * 180 / std::numbers::pi, 1e-10);
   EXPECT_NEAR(q.dihedral_max, 90, 1e-10);
   EXPECT_NEAR(q.dihedral_mean, (3 * 90 + 3 * q.dihedral_min) / 6, 1e-10);
   EXPECT_NEAR(q.eta_max, (3 * 0.25 + 0.75) * 6, 1e-12);
@@ -52,11 +53,7 @@ TEST(Quality, DoesNotDependOnTheUnit) {
   const TetMesh m = test::cube(3, 0.2);
   const Quality one = quality(m);
   for (const double unit : {0x1p-400, 0x1p-60, 0x1p200, 0x1p400}) {
-    TetMesh scaled = m;
-    for (Point3& p : scaled.points) {
-      for (double& x : p) x *= unit;
-    }
-    const Quality q = quality(scaled);
+    const Quality q = quality(test::scaled(m, unit));
     EXPECT_EQ(q.dihedral_min, one.dihedral_min);
     EXPECT_EQ(q.mean_ratio, one.mean_ratio);
     EXPECT_EQ(q.eta_sum, one.eta_sum * unit);

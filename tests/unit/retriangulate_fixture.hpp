@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
 #include <vector>
 
 #include "energy/dihedral_cots.hpp"
 #include "mesh/connect.hpp"
 #include "operators/stars/retriangulate.hpp"
+#include "support/entities.hpp"
 #include "support/meshes.hpp"
 #include "support/work.hpp"
 
@@ -65,19 +65,8 @@ struct RetriangulationWork {
 
 /// The faces on one tetrahedron, or between two of different tags, by the places of their corners.
 inline std::multiset<std::array<Point3, 3>> surface_places(const TetMesh& m) {
-  std::map<std::array<Index, 3>, std::vector<int>> faces;
-  for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    for (std::size_t skip = 0; skip < 4; ++skip) {
-      std::array<Index, 3> face{};
-      for (std::size_t k = 0, at = 0; k < 4; ++k) {
-        if (k != skip) face[at++] = m.tets[t][k];
-      }
-      std::sort(face.begin(), face.end());
-      faces[face].push_back(m.tet_tags[t]);
-    }
-  }
   std::multiset<std::array<Point3, 3>> result;
-  for (const auto& [face, tags] : faces) {
+  for (const auto& [face, tags] : face2tags(m)) {
     if (tags.size() == 2 && tags[0] == tags[1]) continue;
     std::array<Point3, 3> at;
     for (std::size_t k = 0; k < 3; ++k) at[k] = m.points[static_cast<std::size_t>(face[k])];

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
+#include "mesh/id_maps.hpp"
 #include "retriangulate_fixture.hpp"
 #include "tetune/quality.hpp"
 #include "tetune/validate.hpp"
@@ -82,8 +84,7 @@ std::array<double, 2> lower_mean(Work& work, Size max_tets, RetriangulationRepor
     return refresh_energy(backend::Cpu(1), work.mesh, work.criterion, work.flips.energies) /
            static_cast<double>(work.mesh.tets());
   };
-  std::vector<Index> all(static_cast<std::size_t>(work.mesh.slots()));
-  for (std::size_t t = 0; t < all.size(); ++t) all[t] = static_cast<Index>(t);
+  const std::vector<Index> all = identity_map(static_cast<std::size_t>(work.mesh.slots()));
   const double before = mean();
   const EditableMesh<backend::Cpu> editable{work.mesh, work.flips, work.dofs};
   report = retriangulate_worst(backend::Cpu(1), editable, work.criterion, {all.data(), work.mesh.slots()},
@@ -112,7 +113,7 @@ TEST(Retriangulate, InsertsAVertexWhereTheMeanEnergyFalls) {
   wheel.points = {{0, 0, -1.5}, {0, 0, 1.5}};
   constexpr int kSpokes = 8;
   for (int k = 0; k < kSpokes; ++k) {
-    const double angle = 2 * 3.141592653589793 * k / kSpokes;
+    const double angle = 2 * std::numbers::pi * k / kSpokes;
     wheel.points.push_back({std::cos(angle), std::sin(angle), 0});
     wheel.tets.push_back({0, 2 + k, 2 + (k + 1) % kSpokes, 1});
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "math/box_tree.hpp"
@@ -82,7 +83,7 @@ TEST(SampledDistance, OfThinTrianglesAroundAVertex) {
   std::vector<TrianglePoints> triangles, surface;
   constexpr int kCount = 400;
   const auto on_circle = [](int i, double height) {
-    const double angle = 2 * M_PI * i / kCount;
+    const double angle = 2 * std::numbers::pi * i / kCount;
     return Vec3{std::cos(angle), std::sin(angle), height * std::sin(5 * angle)};
   };
   for (int i = 0; i < kCount; ++i) {

@@ -41,9 +41,9 @@ double steepest_by_listing(const TinySurface& s, const SurfacePoint& surface_poi
     }
     best = std::max(best, norm(steepest));
   };
-  const auto along = [&](const Vec3& from, const Vec3& to, bool both) {
+  const auto along = [&](const Vec3& from, const Vec3& to) {
     const Vec3 unit = (1 / norm(to - from)) * (to - from);
-    if (both || dot(g, unit) < 0) best = std::max(best, std::fabs(dot(g, unit)));
+    best = std::max(best, -dot(g, unit));
   };
   if (surface_point.kind == SurfacePointKind::vertex) {
     const Vec3 x = ref.point(surface_point.item);
@@ -51,7 +51,7 @@ double steepest_by_listing(const TinySurface& s, const SurfacePoint& surface_poi
       for (int k = 0; k < 3; ++k) {
         if (ref.triangles[t].v[k] != surface_point.item) continue;
         in_triangle(static_cast<Index>(t), x);
-        for (int o = 1; o < 3; ++o) along(x, ref.point(ref.triangles[t].v[(k + o) % 3]), false);
+        for (int o = 1; o < 3; ++o) along(x, ref.point(ref.triangles[t].v[(k + o) % 3]));
       }
     }
   } else if (surface_point.kind == SurfacePointKind::edge) {
@@ -59,7 +59,8 @@ double steepest_by_listing(const TinySurface& s, const SurfacePoint& surface_poi
     const Vec3 x = 0.5 * (ref.point(e.a) + ref.point(e.b));
     in_triangle(surface_point.item / 3, x);
     if (ref.across[surface_point.item] != kFeatureEdge) in_triangle(ref.across[surface_point.item] / 3, x);
-    along(ref.point(e.a), ref.point(e.b), true);
+    along(ref.point(e.a), ref.point(e.b));
+    along(ref.point(e.b), ref.point(e.a));
   } else {
     const Vec3 n = normal(surface_point.item);
     best = norm(g - dot(g, n) * n);

@@ -160,10 +160,7 @@ TEST(Validate, AcceptsAnyUnitButNotTinyTetrahedra) {
   EXPECT_NE(validate(m).message(true).find("; the largest coordinate is 1e+170, of vertex 5, which may be wrong\n"),
             std::string::npos);
   for (const double unit : {1e307, 1e-300}) {
-    TetMesh scaled = test::scrambled(test::cube(4, 0.2), 1);
-    for (Point3& p : scaled.points) {
-      for (double& x : p) x *= unit;
-    }
+    TetMesh scaled = test::scaled(test::scrambled(test::cube(4, 0.2), 1), unit);
     ASSERT_TRUE(validate(scaled).ok());
     const auto points = scaled.points;
     optimize(scaled);
@@ -306,10 +303,7 @@ TEST(OrientUniformly, TurnsAnInvertedPart) {
 TEST(OrientUniformly, TurnsPartsInAnyUnit) {
   // Volumes underflow in one unit and overflow in the other.
   for (const double unit : {1e-110, 1e105}) {
-    TetMesh m = test::cube(3, 0.2);
-    for (Point3& p : m.points) {
-      for (double& x : p) x *= unit;
-    }
+    TetMesh m = test::scaled(test::cube(3, 0.2), unit);
     const auto good = m.tets;
     std::int64_t turned = 0;
     for (std::size_t t = 0; t < m.tets.size(); t += 2, ++turned) turn(m, t);

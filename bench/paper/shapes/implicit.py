@@ -86,7 +86,7 @@ def triangulate(field, low, high, edge):
     return relax(field, place(near) + np.clip(weight, 0.1, 0.9) * (place(far) - place(near)), triangles, edge)
 
 
-CELL = 2.3  # of the lattice's cells to the edges wanted
+CELL = 2.3  # ratio of the lattice's cells to the edges of the mesh
 
 
 def lattice_tets(inside, cells, axis, turn):

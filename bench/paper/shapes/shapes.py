@@ -72,7 +72,7 @@ def count_flat(points, tets):
 
 
 def search(surface, bound, target, folder, tries=16):
-    """Looks for the volume bound that gives the target within 3 % and no flat tetrahedra: secants of the count's logarithm.
+    """Searches for the volume bound that gives the target within 3 % and no flat tetrahedra: secants of the count's logarithm.
     Returns the best mesh and its bound; None where the surface has no mesh."""
     best, best_bound, best_badness, last, slope = None, None, math.inf, None, -0.9
     largest = np.ptp(surface.points, axis=0).prod()  # no tetrahedron is so large: at this bound only the surface counts
@@ -82,11 +82,11 @@ def search(surface, bound, target, folder, tries=16):
         except NoMesh as error:
             print(f"  {error}", file=sys.stderr)
             if best is None and k == 1:
-                break  # no chance: it is the surface
+                break  # other bounds fail as well: the fault is the surface's
             bound *= 0.97
             continue
         count, flat = len(mesh[1]), count_flat(*mesh[:2])
-        print(f"  bound {bound:.6g}: {count} tetrahedra, {flat} flat, wanted {target:.0f}", file=sys.stderr)
+        print(f"  bound {bound:.6g}: {count} tetrahedra, {flat} flat, target {target:.0f}", file=sys.stderr)
         near = abs(count / target - 1) <= 0.03
         badness = abs(math.log(count / target)) + 0.05 * bool(flat)
         if badness < best_badness:
@@ -147,7 +147,7 @@ def make(name, out, scale, force_search):
     info = harness.info(path)
     count, quality = info["counts"]["tetrahedra"], info["quality"]
     difference = count / target - 1
-    fewest = scale < 1 and difference > TOLERANCE  # the surface needs so many
+    fewest = scale < 1 and difference > TOLERANCE  # the surface alone needs more than the target
     good = info["validity"]["valid"] and (abs(difference) <= TOLERANCE or fewest)
     findings = "yes" if info["validity"]["valid"] else f"NO: {info['validity']['findings']}"
     return (f"| {name} | {info['counts']['vertices']} | {count} | {target:.0f} | {100 * difference:+.1f} %"
@@ -160,7 +160,7 @@ def main():
     parser.add_argument("out", type=pathlib.Path, help="folder for NAME.meshb; those that are there stay")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"default all: {' '.join(SHAPES)}")
     parser.add_argument("--scale", type=float, default=1, help="of the number of tetrahedra; 0.02 or more; default 1")
-    parser.add_argument("--search", action="store_true", help="search the volume bound anew, do not take the table's")
+    parser.add_argument("--search", action="store_true", help="search for the volume bound in place of the table's")
     args = parser.parse_args()
     unknown = [n for n in args.names if n not in SHAPES]
     if unknown:
@@ -181,7 +181,7 @@ def main():
         if not good:
             bad.append(name)
     if bad:
-        sys.exit(f"not as they should be: {', '.join(bad)}; delete a mesh to have it made anew")
+        sys.exit(f"not as they should be: {', '.join(bad)}; delete a mesh to have it made again")
 
 
 if __name__ == "__main__":
