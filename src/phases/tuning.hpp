@@ -130,7 +130,7 @@ struct AngleParameters {
   /// largest, and that exceeds `tied_cost` (1.3: 37.6 degrees). Restarts treat only a few tetrahedra.
   int tied_rounds = 0;
   double min_tied = 64;
-  double tied_fraction = 0.05;
+  double tied_fraction = 0.2;
   double tied_cost = 1.3;
   /// Maximum number of last rounds. Each works on about `last_count` of the worst tetrahedra: the few that still need
   /// many operations include the worst one of the mesh.
@@ -262,7 +262,7 @@ constexpr Tuning best() {
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
   t.angles.mean_ratio_fraction = 0.25;
-  t.angles.tied_rounds = 16;
+  t.angles.tied_rounds = 30;
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
