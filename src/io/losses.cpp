@@ -51,9 +51,9 @@ template <class AreKept>
 void warn_of_data_unless(const TetMesh& mesh, const IoContext& context, const AreKept& are_kept) {
   std::set<std::string> names;
   for_each_data(mesh, [&](const DataArray& array) {
-    if (!are_kept(array)) names.insert(array.name);
+    if (!are_kept(array)) names.insert("\"" + array.name + "\"");
   });
-  for (const std::string& name : names) context.warn("the format cannot hold the data \"" + name + "\"");
+  if (!names.empty()) context.warn("the format cannot hold the data " + listed_texts(names));
 }
 
 template <class T>

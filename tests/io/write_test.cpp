@@ -148,6 +148,16 @@ TEST_F(IoTest, WritersWarnOfWhatIsLost) {
   EXPECT_FALSE(has(warnings_of("a.mesh"), lists));
 }
 
+TEST_F(IoTest, LostDataAreOneWarning) {
+  TetMesh mesh = one_tet();
+  for (int i = 0; i < 12; ++i) mesh.tet_data.push_back({"a" + std::to_string(10 + i), 1, std::vector<double>{1}});
+  std::vector<std::string> warnings;
+  write_mesh(path("a.mesh"), mesh, 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("the format cannot hold the data \"a10\", \"a11\""), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("\"a17\" and 4 more"), std::string::npos) << warnings[0];
+}
+
 TEST_F(IoTest, NamedGroupsWithoutElementsAreNamedOrKept) {
   TetMesh mesh = one_tet();
   mesh.tet_tags = {4};
