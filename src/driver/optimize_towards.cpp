@@ -154,12 +154,12 @@ class CriteriaRun {
     make_rounds(mesh);
     if (!has_kept_round()) return;
     Report& done = report_.optimization;
+    const std::string unchanged = std::exchange(done.unchanged, "");
     report_.undone =
         "only tetrahedra that miss a limit, and those around them, were changed: optimized as a whole, the "
         "mesh would meet criteria less well than before (" +
         losses + ")";
-    done.unchanged.clear();
-    done.warnings.back() = report_.undone;
+    std::replace(done.warnings.begin(), done.warnings.end(), unchanged, report_.undone);
   }
 
   bool has_kept_round() const {
