@@ -95,9 +95,10 @@ class Run {
 
   /// Whether the figures of the run are printed or written.
   bool shows_figures() const { return console_.verbosity() > 0 || !job_.report.empty(); }
-  /// The tables need fewer measures than the report, and JSON lines only some of them.
+  /// The tables and the warning of measures that decline need fewer measures than the report, and JSON lines only some.
   Quality measure() const {
-    if (!shows_figures() && !console_.json()) return {};
+    const bool warns = !a_.move && console_.verbosity() >= 0;
+    if (!warns && !shows_figures() && !console_.json()) return {};
     return job_.report.empty() ? quality(input_.mesh, options_.threads) : measure_all(input_.mesh, options_.threads);
   }
 

@@ -28,7 +28,8 @@ bool has_many_tied(Optimizer<Backend>& optimizer) {
                                         p.obtuse_weight);
   if (extremes.max_cost <= p.tied_cost) return false;
   const double of_tied = upper_cost_quantile(optimizer.backend, extremes.values.span(), p.min_tied, p.cost_resolution);
-  return of_tied >= (1 - p.tied_fraction) * extremes.max_cost;
+  const double fraction = extremes.max_cost > p.thin_cost ? p.thin_tied_fraction : p.tied_fraction;
+  return of_tied >= (1 - fraction) * extremes.max_cost;
 }
 
 /// One round, on tetrahedra with a vertex that is flagged in `region`, or anywhere if that is empty. Returns the number

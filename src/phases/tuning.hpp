@@ -126,12 +126,17 @@ struct AngleParameters {
   double cost_resolution = 0.01;
   /// Whether neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
   bool moves_neighbors = false;
-  /// Maximum number of further rounds while at least `min_tied` tetrahedra have a cost within `tied_fraction` of the
-  /// largest, and that exceeds `tied_cost` (1.3: 37.6 degrees). Restarts treat only a few tetrahedra.
+  /// Maximum number of further rounds while at least `min_tied` tetrahedra have about the largest cost, and that exceeds
+  /// `tied_cost` (1.3: 37.6 degrees). Restarts treat only a few tetrahedra.
   int tied_rounds = 0;
   double min_tied = 64;
-  double tied_fraction = 0.2;
   double tied_cost = 1.3;
+  /// The costs within this fraction of the largest are about the largest; where that exceeds `thin_cost` (3.5: 16
+  /// degrees), as in layers that are thinner than their elements are wide, those within `thin_tied_fraction`: there the
+  /// gap bounds the angles, and rounds would pay with the mean ratio for little.
+  double tied_fraction = 0.2;
+  double thin_cost = 3.5;
+  double thin_tied_fraction = 0.05;
   /// Maximum number of last rounds. Each works on about `last_count` of the worst tetrahedra: the few that still need
   /// many operations include the worst one of the mesh.
   int last_rounds = 0;
@@ -262,7 +267,7 @@ constexpr Tuning best() {
   t.angles.min_vertex_count = 100;
   t.angles.min_cost_gain = 3e-3;
   t.angles.mean_ratio_fraction = 0.25;
-  t.angles.tied_rounds = 30;
+  t.angles.tied_rounds = 16;
   t.angles.last_rounds = 4;
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1

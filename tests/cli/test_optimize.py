@@ -257,6 +257,9 @@ class Optimize(CliTest):
         self.assertGreater(after, 150)
         self.assertIn(f"largest dihedral angle {before:.2f} -> {after:.2f}", done.stderr)
         self.assertEqual(len([text for text in report["warnings"] if "at the expense of others" in text]), 1)
+        for words, count in ((["--quiet"], 1), (["-v", "-1"], 0)):
+            done = self.run_cli("optimize", "in.mesh", "-o", "out.mesh", *words, cwd=self.folder)
+            self.assertEqual(done.stderr.count("at the expense of others"), count, words)
         # The same elements in a thick layer.
         self.put("in.mesh", Mesh([(x, y, 10 * z) for x, y, z in points], tets, [0] * len(points), [1] * len(tets)))
         self.assertNotIn("expense", self.run_cli("optimize", "in.mesh", "-o", "out.mesh", cwd=self.folder).stderr)
