@@ -126,8 +126,8 @@ struct AngleParameters {
   double cost_resolution = 0.01;
   /// Whether neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
   bool moves_neighbors = false;
-  /// Maximum number of further rounds while at least `min_tied` tetrahedra have about the largest cost, and that exceeds
-  /// `tied_cost` (1.3: 37.6 degrees). Restarts treat only a few tetrahedra.
+  /// Maximum number of further rounds while at least `min_tied` tetrahedra have about the largest cost, and that
+  /// exceeds `tied_cost` (1.3: 37.6 degrees). Restarts treat only a few tetrahedra.
   int tied_rounds = 0;
   double min_tied = 64;
   double tied_cost = 1.3;
