@@ -45,6 +45,7 @@ QuadraticSheet::QuadraticSheet(std::vector<Triangle> triangles)
 
 Vec3 QuadraticSheet::lift(const Vec3& p) const {
   const ClosestTriangle::Hit hit = search_.closest(p);
+  if (hit.distance2 == kInfinity) return p;
   const Triangle& t = span_of(triangles_)[hit.triangle];
   const auto [l0, l1, l2] = barycentric(t.corners, hit.point);
   return hit.point + 4 * (l0 * l1) * t.offsets[0] + 4 * (l1 * l2) * t.offsets[1] + 4 * (l2 * l0) * t.offsets[2];

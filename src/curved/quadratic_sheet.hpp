@@ -25,7 +25,7 @@ class QuadraticSheet {
   explicit QuadraticSheet(std::vector<Triangle> triangles);
 
   /// The point of the quadratic triangle with the barycentric coordinates of the closest point of the straight
-  /// triangles: continuous over the sheet.
+  /// triangles: continuous over the sheet. p itself where squared distances overflow.
   Vec3 lift(const Vec3& p) const;
   /// The squared distance from the straight triangles.
   double distance2(const Vec3& p) const { return search_.distance2(p); }

@@ -128,6 +128,7 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, double sufficient) 
     stack[depth++] = farther;
     stack[depth++] = closer;
   }
+  if (best.triangle < 0) best = {triangles[0][0], kInfinity, order_[0]};
   return best;
 }
 

@@ -25,8 +25,8 @@ class ClosestTriangle {
   explicit ClosestTriangle(const std::vector<TrianglePoints>& triangles);
   struct Hit {
     Vec3 point;          ///< on the closest triangle
-    double distance2;    ///< squared; infinity if there is no triangle
-    Size triangle = -1;  ///< its position in the list
+    double distance2;    ///< squared; infinity if there is no triangle, or where it overflows
+    Size triangle = -1;  ///< its position in the list; -1 if there is no triangle
   };
   /// The search ends early at any point within the squared distance `sufficient`.
   Hit closest(const Vec3& p, double sufficient = 0) const;

@@ -10,6 +10,7 @@
 #include "boundary/surface.hpp"
 #include "boundary/vertex_dof.hpp"
 #include "math/closest_triangle.hpp"
+#include "math/constants.hpp"
 #include "support/meshes.hpp"
 #include "support/random.hpp"
 #include "support/sanitized.hpp"
@@ -272,6 +273,13 @@ TEST(ClosestTriangle, OfADegenerateTriangleIsOnItsEdges) {
       ASSERT_NEAR(ClosestTriangle({t}).distance2(b + s * (b - a)), s * s * dot(b - a, b - a), 1e-14);
     }
   }
+}
+
+TEST(ClosestTriangle, IsTheFirstWhereSquaredDistancesOverflow) {
+  const TrianglePoints t{{{1e200, 0, 0}, {2e200, 0, 0}, {1e200, 1e200, 0}}};
+  const ClosestTriangle::Hit hit = ClosestTriangle({t, t}).closest({0, 0, 1e200});
+  EXPECT_EQ(hit.triangle, 0);
+  EXPECT_EQ(hit.distance2, kInfinity);
 }
 
 TEST(ClosestTriangle, EqualsTheMinimumOverAllTriangles) {
