@@ -106,6 +106,12 @@ class Failures(MpiTest):
         sliding = self.mpi(2, source, self.path("out.mesh"), "--boundary", "slide", code=2)
         for part in ["counted from 1: ", *said]:
             self.assertIn(part, sliding.stderr)
+        # The number is that of all ranks.
+        for more in ([], ["--boundary", "slide"]):
+            for ranks in (1, 2, 3):
+                done = self.mpi(ranks, source, self.path("out.mesh"), *more, code=2)
+                self.assertIn(f" {len(inverted)} of the tetrahedra are inverted", done.stderr)
+                self.assertIn(f"first, counted from 1: {numbers})", done.stderr)
 
     def test_mesh_that_overlaps_itself(self):
         source = self.put("overlapping.mesh", cli_case.OVERLAPPING)
