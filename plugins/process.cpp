@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "process.hpp"
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -89,10 +90,11 @@ bool has_channel() {
 
 void install_signal_handlers(const char* written_file) {
   file_to_delete = written_file;
-  parent = ::getppid();
+  parent = ::fcntl(kPluginDescriptor, F_GETOWN);
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGTERM, handle_end_of_parent);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  handle_end_of_parent(SIGTERM);  // there is no signal where tetune has ended already
 }
 
 MemoryLimit::MemoryLimit(const std::string& file) {

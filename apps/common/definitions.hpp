@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "nearest_name.hpp"
+#include "tetune/error.hpp"
+
 /// Queries of the definitions of a command's options, from which help, manual and completion are generated.
 namespace tetune::cli {
 
@@ -21,6 +24,21 @@ inline std::vector<std::string> names_of(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
   return names;
+}
+
+/// Refuses an unknown long option of a command, with the most similar name. (CLI11 2.1 has no suggestions.)
+inline void check_name(const CLI::App& command, const std::string& word, const std::string& command_line) {
+  const std::string name = word.substr(0, word.find('='));
+  if (!word.starts_with("--") || word == "--" || command.get_option_no_throw(name) != nullptr) return;
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& each : names_of(*option)) {
+      if (each.starts_with("--")) known.push_back(each);
+    }
+  }
+  const std::string nearest = nearest_name(name, known);
+  throw OptionError(name + ": there is no such option" + (nearest.empty() ? "" : "; did you mean " + nearest + "?") +
+                    "; see " + command_line + " --help");
 }
 
 inline bool is_positional(const CLI::Option& option) {

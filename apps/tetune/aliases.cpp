@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "definitions.hpp"
-#include "nearest_name.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune::cli {
@@ -65,23 +64,6 @@ std::string with_two_dashes(const CLI::App& command, const std::string& word) {
   return command.get_option_no_throw(longer.substr(0, longer.find('='))) != nullptr ? longer : word;
 }
 
-/// Refuses an unknown long option, with the most similar name. (CLI11 2.1 has no suggestions.)
-void check_name(const CLI::App& command, const std::string& word) {
-  const std::string name = word.substr(0, word.find('='));
-  if (!word.starts_with("--") || word == "--" || command.get_option_no_throw(name) != nullptr) return;
-  std::vector<std::string> known;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& each : names_of(*option)) {
-      if (each.starts_with("--")) known.push_back(each);
-    }
-  }
-  const std::string nearest = nearest_name(name, known);
-  const bool is_program = command.get_name() == "tetune";
-  throw OptionError(fmt::format("{}: there is no such option{}; see tetune{} --help", name,
-                                nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest),
-                                is_program ? "" : " " + command.get_name()));
-}
-
 /// The command that the first word names; null if that is an option of the program itself. Throws OptionError.
 const CLI::App* find_command(const CLI::App& app, const std::vector<std::string>& words) {
   const std::vector<const CLI::App*> commands = commands_of(app);
@@ -91,7 +73,7 @@ const CLI::App* find_command(const CLI::App& app, const std::vector<std::string>
     known += (known.empty() ? "" : ", ") + c->get_name();
   }
   if (!words.empty() && words[0].starts_with("-")) {
-    check_name(app, words[0]);
+    check_name(app, words[0], app.get_name());
     return nullptr;
   }
   throw OptionError(fmt::format("{}; the commands are {}. To improve a mesh: tetune optimize IN OUT",
@@ -150,7 +132,7 @@ std::vector<std::string> expand_aliases(const CLI::App& app, const std::vector<s
     expanded.push_back(with_two_dashes(*command, word));
     const std::string& last = expanded.back();
     // Options of the Python package are not known here.
-    if (!command->get_prefix_command()) check_name(*command, last);
+    if (!command->get_prefix_command()) check_name(*command, last, "tetune " + words[0]);
     if (last.size() > 2 && last.starts_with("-h")) {  // CLI11 would print the help
       throw OptionError(word + ": there is no such option; see tetune " + words[0] + " --help");
     }

@@ -11,6 +11,7 @@
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "geometry_files.hpp"
+#include "interrupt.hpp"
 #include "mesh_errors.hpp"
 #include "mesh_files.hpp"
 #include "tables.hpp"
@@ -98,6 +99,7 @@ int convert(const CLI::App& c, const ConvertArguments& a) {
   if (!a.geometry.file.empty() && !a.surface.empty()) throw OptionError("--surface and --geometry exclude each other");
   unit_in_mm(a.geometry.unit);
   Console console(ProgressMode::none, a.quiet ? 0 : 1, stderr);
+  interrupt::install(console.json());
   Input input = read_input(a.input, a.threads);
   if (c.count("--feature-angle") > 0) {
     if (a.order != 2) console.warn("--feature-angle has no effect without --order 2");
@@ -112,7 +114,9 @@ int convert(const CLI::App& c, const ConvertArguments& a) {
     if (!output.ends_with(".msh")) console.warn("--msh has no effect: the output is not an .msh file");
   }
   set_order(a, input.mesh, console);
-  for (const std::string& warning : write_output(output, input.binary, input.mesh, a.threads)) console.warn(warning);
+  const std::vector<std::string> warnings = write_output(output, input.binary, input.mesh, a.threads);
+  interrupt::enter(interrupt::Stage::written);
+  for (const std::string& warning : warnings) console.warn(warning);
   return kDone;
 }
 

@@ -165,6 +165,14 @@ nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryMatch& ma
           {"largest_distance", largest_distance(match)}};
 }
 
+std::vector<std::string> geometry_warnings(const GeometryReport& r) {
+  if (r.vertices_left_off == 0) return {};
+  return {fmt::format(
+      "{} vertices stay off the geometry, by up to {:.3g}: required entities, --freeze or elements of other kinds hold "
+      "them",
+      r.vertices_left_off, r.largest_left_off)};
+}
+
 std::string geometry_summary(const Geometry& geometry, const GeometryReport& r) {
   std::string text = match_table(geometry, r.after);
   if (r.vertices_snapped > 0 && r.snapped > 0) {

@@ -41,6 +41,8 @@ TetMesh classified_mesh(const TetMesh& mesh, const GeometryMatch& match);
 std::string match_table(const Geometry& geometry, const GeometryMatch& match);
 nlohmann::ordered_json to_json(const Geometry& geometry, const GeometryMatch& match);
 
+/// The warnings of a run on a geometry.
+std::vector<std::string> geometry_warnings(const GeometryReport& report);
 /// The numbers of vertices that were moved onto the geometry, and the distances from it.
 std::string geometry_summary(const Geometry& geometry, const GeometryReport& report);
 /// The report on a geometry without its Report.

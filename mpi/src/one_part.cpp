@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "communicate.hpp"
 #include "driver/distributed_interface.hpp"
 #include "tetune/error.hpp"
 
@@ -63,6 +65,29 @@ void update_ids(Part& part, const Report& report) {
 /// Whether a message can have the id, whose numbers have 32 bits.
 bool has_32_bits(Id id) { return id < std::numeric_limits<Index>::max(); }
 
+/// The findings of validate() about a part, in the ids of the whole mesh. Ids beyond 32 bits are left out.
+ValidationReport findings_of(const Part& part, int threads) {
+  ValidationReport report = validate(part.mesh, threads);
+  for (Finding& f : report.findings) {
+    const std::vector<Id>* ids = f.where == "tetrahedra" ? &part.tet_id
+                                 : f.where == "vertices" ? &part.vertex_id
+                                                         : nullptr;
+    if (ids == nullptr) continue;
+    std::erase_if(f.first, [ids](Index i) { return !has_32_bits(item(*ids, i)); });
+    for (Index& i : f.first) i = Index(item(*ids, i));
+  }
+  return report;
+}
+
+/// A tetrahedron of a finding, and the place of the first one of that.
+struct Offender {
+  Id id;
+  std::optional<Point3> place;
+};
+
+/// A message lists as many ids as one of validate().
+constexpr std::size_t kMaxListed = 5;
+
 }  // namespace
 
 Options options_for(const Options& all_options, const TetMesh& mesh) {
@@ -74,17 +99,35 @@ Options options_for(const Options& all_options, const TetMesh& mesh) {
 }
 
 std::string defects_of(const Part& part, int threads, const MessageForm& form, const MeshError& error) {
-  ValidationReport report = validate(part.mesh, threads);
-  if (report.ok()) return error.what();
-  for (Finding& f : report.findings) {
-    const std::vector<Id>* ids = f.where == "tetrahedra" ? &part.tet_id
-                                 : f.where == "vertices" ? &part.vertex_id
-                                                         : nullptr;
-    if (ids == nullptr) continue;
-    std::erase_if(f.first, [ids](Index i) { return !has_32_bits(item(*ids, i)); });
-    for (Index& i : f.first) i = Index(item(*ids, i));
+  const ValidationReport report = findings_of(part, threads);
+  return report.ok() ? error.what() : report.message(form.one_based, form.advice);
+}
+
+std::string defects_of_all(MPI_Comm comm, const Part& part, int threads, const MessageForm& form,
+                           const MeshError& error) {
+  const ValidationReport own = findings_of(part, threads);
+  ValidationReport all;
+  std::int64_t others = std::ssize(own.findings);
+  for (const Defect defect : {Defect::inverted_tet, Defect::flat_tet}) {
+    Finding sum{defect, 0, {}, "tetrahedra"};
+    std::vector<Offender> offenders;
+    for (const Finding& f : own.findings) {
+      if (f.defect != defect) continue;
+      --others;
+      sum.count += f.count;
+      for (const Index id : f.first) offenders.push_back({id, f.place});
+    }
+    sum.count = all_reduce(comm, sum.count, MPI_SUM);
+    offenders = gather_all(comm, offenders, Datatype(sizeof(Offender)).get());
+    if (sum.count == 0) continue;
+    std::sort(offenders.begin(), offenders.end(), [](const Offender& a, const Offender& b) { return a.id < b.id; });
+    if (offenders.size() > kMaxListed) offenders.resize(kMaxListed);
+    for (const Offender& o : offenders) sum.first.push_back(Index(o.id));
+    if (!offenders.empty()) sum.place = offenders[0].place;
+    all.findings.push_back(std::move(sum));
   }
-  return report.message(form.one_based, form.advice);
+  if (all_reduce(comm, others, MPI_SUM) > 0 || all.ok()) return error.what();
+  return all.message(form.one_based, form.advice);
 }
 
 Report optimize_part(Part& part, Marks frozen, const Options& all_options, const Context& context,

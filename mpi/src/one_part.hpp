@@ -24,6 +24,11 @@ struct MessageForm {
 /// beyond 32 bits are left out.
 std::string defects_of(const Part& part, int threads, const MessageForm& form, const MeshError& error);
 
+/// The message about the parts of all ranks, on all of them, where their only defects are inverted or flat tetrahedra;
+/// else that of `error`. Collective.
+std::string defects_of_all(MPI_Comm comm, const Part& part, int threads, const MessageForm& form,
+                           const MeshError& error);
+
 /// Optimizes one part, of which the vertices with `frozen` 1 stay: on `surface`, if it is given, for Boundary::slide.
 /// Inserted vertices get the id -1. Throws as optimize() does, in the ids of the whole mesh, as defects_of().
 Report optimize_part(Part& part, Marks frozen, const Options& options, const Context& context, InputSurface* surface,

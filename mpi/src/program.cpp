@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "clock.hpp"
+#include "definitions.hpp"
 #include "exit_code.hpp"
 #include "files.hpp"
 #include "io/losses.hpp"
@@ -287,7 +288,15 @@ void describe_arguments(CLI::App& app) {
       "given");
   app.get_option("--output")
       ->description("Mesh to write: a format of `tetune`, .h5 or .xmf. A file that exists is replaced");
-  app.get_option("--freeze")->description("Regions and patches that do not change, by their tags: tag=1,2,patch=7");
+  app.get_option("--freeze")
+      ->description("Regions and patches that do not change, by their tags: tag=1,2,patch=7")
+      ->option_text("tag=N,...,patch=N,...");
+}
+
+/// Adds the endings of a DMPlex to the list of those that the library knows, where a text ends with that.
+std::string with_plex_endings(const std::string& text) {
+  if (text.ends_with("known endings: " + writable_endings())) return text + " .h5 .xmf";
+  return text.ends_with("known endings: " + readable_endings()) ? text + " .h5" : text;
 }
 
 int main_of_rank(int argc, char** argv) {
@@ -308,6 +317,7 @@ int main_of_rank(int argc, char** argv) {
   try {
     for (int i = 1; i < argc; ++i) {
       const std::string_view argument = argv[i];
+      if (argument == "--") break;  // no options after it
       const std::string_view name = argument.substr(0, argument.find('='));
       if (std::find(kAbsentOptions.begin(), kAbsentOptions.end(), name) != kAbsentOptions.end()) {
         throw OptionError(std::string(name) + ": `tetune` has this option, tetune-mpi does not; see tetune-mpi --help");
@@ -316,6 +326,7 @@ int main_of_rank(int argc, char** argv) {
       if (argument.size() > 2 && argument.starts_with("-h")) {
         throw OptionError(std::string(argument) + ": Mmg's names of options are for `tetune`; see tetune-mpi --help");
       }
+      cli::check_name(app, std::string(argument), "tetune-mpi");
     }
     app.parse(argc, argv);
     if (arguments.files.empty() || (arguments.files.size() == 1 && arguments.names.output.empty())) {
@@ -337,7 +348,7 @@ int main_of_rank(int argc, char** argv) {
     return is_error ? cli::kNothingWritten : cli::kDone;
   } catch (const Error& e) {
     // The error is collective: all ranks have the same message.
-    if (first) fmt::print(stderr, "tetune-mpi: {}\n", e.what());
+    if (first) fmt::print(stderr, "tetune-mpi: {}\n", with_plex_endings(e.what()));
     return cli::kNothingWritten;
   }
 }

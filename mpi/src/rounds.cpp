@@ -49,7 +49,11 @@ class Rounds {
     check_frozen(options_.frozen_patches, part_.mesh.triangle_tags, "frozen_patches", "triangle");
     report_.tets_before = all_reduce(comm_, std::ssize(part_.mesh.tets), MPI_SUM);
     max_tets_ = options_.max_growth * double(report_.tets_before);
-    first_round();
+    try {
+      first_round();
+    } catch (const MeshError& e) {  // that of the lowest rank that has one
+      throw MeshError(defects_of_all(comm_, part_, options_.threads, form_, e));
+    }
     while (report_.left_frozen > 0 && !cancelled_ && int_size(report_.rounds) < kMaxRounds) {
       next_round();
     }

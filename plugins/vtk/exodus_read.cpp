@@ -246,24 +246,34 @@ class ExodusReader {
         {std::string(kNodeSet) + std::to_string(id) + (name.empty() ? "" : ":" + name), 1, std::move(in_set)});
   }
 
-  /// The number of variables from `first` on that are the components of one array: name_X, name_Y and possibly name_Z;
-  /// or name_1 to name_4 and further. 1 for a scalar. `taken`: all names.
-  static std::size_t count_components(const std::vector<DataArray>& data, std::size_t first,
-                                      const std::set<std::string>& taken) {
+  /// Variables in sequence that are the components of one array.
+  struct Components {
+    std::size_t count = 1;  ///< 1: a scalar
+    std::string name{};     ///< of the array
+  };
+
+  /// Those from `first` on: name_X, name_Y and possibly name_Z, or, as VTK writes them, nameX, nameY and possibly
+  /// nameZ; or name_1 to name_4 and further. `taken`: all names.
+  static Components find_components(const std::vector<DataArray>& data, std::size_t first,
+                                    const std::set<std::string>& taken) {
     const std::string& name = data[first].name;
-    if (name.size() < 3) return 1;
-    const std::string base = name.substr(0, name.size() - 2);
-    const auto is_named = [&](std::size_t c, const std::string& suffix) {
-      return first + c < data.size() && data[first + c].name == base + suffix;
+    const auto is_named = [&](std::size_t c, const std::string& text) {
+      return first + c < data.size() && data[first + c].name == text;
     };
-    if (taken.contains(base)) return 1;
-    if (is_named(0, "_X") && is_named(1, "_Y")) {
-      if (is_named(2, "_Z")) return 3;
-      return taken.contains(base + "_Z") ? 1 : 2;
+    for (const std::string separator : {"_", ""}) {
+      if (name.size() < separator.size() + 2 || !name.ends_with(separator + "X")) continue;
+      const std::string base = name.substr(0, name.size() - separator.size() - 1);
+      const std::string start = base + separator;
+      if (taken.contains(base) || !is_named(1, start + "Y")) return {};
+      if (is_named(2, start + "Z")) return {3, base};
+      return taken.contains(start + "Z") ? Components() : Components{2, base};
     }
-    std::size_t n = 0;
-    while (is_named(n, "_" + std::to_string(n + 1))) ++n;
-    return n > 3 ? n : 1;
+    if (name.size() < 3 || !name.ends_with("_1")) return {};
+    const std::string base = name.substr(0, name.size() - 2);
+    if (taken.contains(base)) return {};
+    std::size_t n = 1;
+    while (is_named(n, base + "_" + std::to_string(n + 1))) ++n;
+    return n > 3 ? Components{n, base} : Components();
   }
 
   /// Joins variables in sequence that are the components of one array, unless there is a variable with its name.
@@ -272,7 +282,7 @@ class ExodusReader {
     for (const DataArray& array : data) taken.insert(array.name);
     std::vector<DataArray> joined;
     for (std::size_t i = 0; i < data.size();) {
-      const std::size_t each = count_components(data, i, taken);
+      const auto [each, name] = find_components(data, i, taken);
       if (each == 1) {
         joined.push_back(std::move(data[i++]));
         continue;
@@ -283,9 +293,8 @@ class ExodusReader {
       for (std::size_t v = 0; v < n; ++v) {
         for (std::size_t c = 0; c < each; ++c) values.push_back(std::get<std::vector<double>>(data[i + c].values)[v]);
       }
-      const std::string& first = data[i].name;
-      joined.push_back({first.substr(0, first.size() - 2), int(each), std::move(values)});
-      taken.insert(joined.back().name);
+      joined.push_back({name, int(each), std::move(values)});
+      taken.insert(name);
       i += each;
     }
     data = std::move(joined);

@@ -2,6 +2,7 @@
 // vtkUnstructuredGrid from TetMesh.
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkUnsignedCharArray.h>
@@ -124,16 +125,32 @@ Layout add_cells(const TetMesh& mesh, const Middles* middles, vtkUnstructuredGri
   return layout;
 }
 
-std::string tags_name(const std::string& name) { return name.empty() ? kOwnTags : name; }
+/// Adds tags, before data: one with their name is renamed, as by use_as_tags(), with a warning.
+void add_tags(std::vector<int> tags, const std::string& own_name, const char* entities, std::vector<DataArray>& data,
+              vtkDataSetAttributes& attributes, Warnings& warnings) {
+  const std::string name = own_name.empty() ? kOwnTags : own_name;
+  const auto find = [&data](const std::string& text) {
+    return std::find_if(data.begin(), data.end(), [&](const DataArray& array) { return array.name == text; });
+  };
+  if (const auto same = find(name); same != data.end()) {
+    std::string other = name;
+    while (find(other) != data.end()) other += ":before";
+    warnings.push_back(std::string("the ") + entities + " data \"" + name + "\" are renamed to \"" + other +
+                       "\", as tags have this name");
+    same->name = other;
+  }
+  attributes.AddArray(to_vtk({name, 1, std::move(tags)}));
+}
 
-void add_cell_data(const TetMesh& mesh, const Layout& layout, vtkUnstructuredGrid& grid) {
+void add_cell_data(const TetMesh& mesh, const Layout& layout, vtkUnstructuredGrid& grid, Warnings& warnings) {
   std::vector<int> tags;
   for (const Cells& kind : layout.kinds) tags.insert(tags.end(), kind.tags->begin(), kind.tags->end());
   const std::size_t all = tags.size();
+  std::vector<DataArray> data = merged(layout.kinds);
   if (has_tag(tags) || !mesh.cell_tags_name.empty()) {
-    grid.GetCellData()->AddArray(to_vtk({tags_name(mesh.cell_tags_name), 1, std::move(tags)}));
+    add_tags(std::move(tags), mesh.cell_tags_name, "cell", data, *grid.GetCellData(), warnings);
   }
-  for (const DataArray& array : merged(layout.kinds)) grid.GetCellData()->AddArray(to_vtk(array));
+  for (const DataArray& array : data) grid.GetCellData()->AddArray(to_vtk(array));
   const auto add_flags = [&](const char* name, const std::vector<Index>& list, std::size_t first) {
     if (!list.empty()) grid.GetCellData()->AddArray(flags_of(name, list, first, all));
   };
@@ -149,9 +166,9 @@ void add_cell_data(const TetMesh& mesh, const Layout& layout, vtkUnstructuredGri
   add_flags(kRequiredQuads, required_quads, 0);
 }
 
-void add_point_data(const TetMesh& mesh, vtkUnstructuredGrid& grid) {
+void add_point_data(TetMesh& mesh, vtkUnstructuredGrid& grid, Warnings& warnings) {
   if (has_tag(mesh.point_tags) || !mesh.point_tags_name.empty()) {
-    grid.GetPointData()->AddArray(to_vtk({tags_name(mesh.point_tags_name), 1, mesh.point_tags}));
+    add_tags(mesh.point_tags, mesh.point_tags_name, "point", mesh.point_data, *grid.GetPointData(), warnings);
   }
   for (const DataArray& array : mesh.point_data) grid.GetPointData()->AddArray(to_vtk(array));
   for (const PointFlags& flags : kPointFlags) {
@@ -173,8 +190,8 @@ vtkSmartPointer<vtkUnstructuredGrid> to_grid(TetMesh mesh, Warnings& warnings) {
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   grid->SetPoints(points);
   const Layout layout = add_cells(mesh, middles.get(), *grid);
-  add_cell_data(mesh, layout, *grid);
-  add_point_data(mesh, *grid);
+  add_cell_data(mesh, layout, *grid, warnings);
+  add_point_data(mesh, *grid, warnings);
   return grid;
 }
 

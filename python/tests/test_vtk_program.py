@@ -248,6 +248,21 @@ def test_long_names_in_legacy_files(command, tmp_path, package):
 
 
 @pytest.mark.parametrize("package", ["pyvista", "meshio"])
+def test_data_with_the_name_of_tags_are_renamed(command, tmp_path, package):
+    nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n"
+    (tmp_path / "in.msh").write_text(
+        f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n{nodes}$EndNodes\n"
+        "$Elements\n2\n1 4 2 5 5 1 2 3 4\n2 4 2 9 9 2 5 3 4\n$EndElements\n"
+        '$ElementData\n1\n"gmsh:physical"\n1\n0.0\n3\n0\n1\n2\n1 1\n2 2\n$EndElementData\n')
+    done = command(package)("convert", "in.msh", "out.vtu")
+    assert done.returncode == 0, done.stderr
+    assert 'the cell data "gmsh:physical" are renamed to "gmsh:physical:before", as tags have this name' in done.stderr
+    data = meshio.read(tmp_path / "out.vtu").cell_data
+    assert np.array_equal(np.concatenate(data["gmsh:physical"]), [5, 9])
+    assert np.array_equal(np.concatenate(data["gmsh:physical:before"]), [1, 2])
+
+
+@pytest.mark.parametrize("package", ["pyvista", "meshio"])
 def test_field_data_are_a_warning(command, tmp_path, package):
     pv = pytest.importorskip("pyvista")
     grid = pv.UnstructuredGrid({10: np.array([[0, 1, 2, 3]])}, np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float))

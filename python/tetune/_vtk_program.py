@@ -6,6 +6,7 @@ libexec/tetune/tetune-vtk starts this file; src/io/plugin/plugin_protocol.hpp de
 from __future__ import annotations
 
 import ctypes
+import fcntl
 import os
 import signal
 import sys
@@ -232,7 +233,7 @@ def read_all() -> bytes:
 
 def end_with_parent(written: str | None) -> None:
     """An interrupt from the terminal is for tetune. When tetune ends, this process ends and leaves no half-written file."""
-    parent = os.getppid()
+    parent = fcntl.fcntl(DESCRIPTOR, fcntl.F_GETOWN)
 
     def end(*_: object) -> None:
         if os.getppid() == parent:
@@ -245,6 +246,7 @@ def end_with_parent(written: str | None) -> None:
     signal.signal(signal.SIGTERM, end)
     PR_SET_PDEATHSIG = 1
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, int(signal.SIGTERM))
+    end()  # there is no signal where tetune has ended already
 
 
 if __name__ == "__main__":

@@ -301,14 +301,14 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     cell_data = merged([k[3] for k in kinds], sizes)
     tags = np.concatenate([k[2] for k in kinds])
     if tags.any() or cell_name:
-        cell_data = {cell_name or "medit:ref": tags, **cell_data}
+        cell_data = with_tags(tags, cell_name, "cell", cell_data, warnings)
     cells = [(k[0], k[1].astype("i8"), None) for k in kinds if len(k[1])]
     if second_order:
         points, cells, point_data = with_middles(points, cells, point_data, curved)
     if point_tags.any() or point_name:
         tags = np.zeros(len(points), "i4")
         tags[: len(point_tags)] = point_tags
-        point_data = {point_name or "medit:ref": tags, **point_data}
+        point_data = with_tags(tags, point_name, "point", point_data, warnings)
 
     def flags(data: dict[str, Any], name: str, positions: Any, size: int) -> None:
         if len(positions):
@@ -324,6 +324,17 @@ def decode(s: Reader, warnings: list[str]) -> Grid:
     if required_quads:
         flags(cell_data, REQUIRED_QUADS, np.concatenate(required_quads), sum(sizes))
     return Grid(points, cells, point_data, cell_data)
+
+
+def with_tags(tags: Any, own_name: str, entities: str, data: dict[str, Any], warnings: list[str]) -> dict[str, Any]:
+    """The tags before the data, of which one with their name is renamed."""
+    name = own_name or TAG_NAMES[0]
+    other = name
+    while other in data:
+        other += ":before"
+    if other != name:
+        warnings.append(f'the {entities} data "{name}" are renamed to "{other}", as tags have this name')
+    return {name: tags, **{other if key == name else key: values for key, values in data.items()}}
 
 
 def merged(parts: list[dict[str, Any]], sizes: list[int]) -> dict[str, Any]:

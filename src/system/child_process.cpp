@@ -68,6 +68,7 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
   }
   if (input >= 0) ::posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&files, channel.descriptor(), child_descriptor);
+  ::fcntl(channel.descriptor(), F_SETOWN, ::getpid());  // the child asks whether its parent is still this process
   pid_t child = 0;
   const int error = ::posix_spawn(&child, program.c_str(), &files, nullptr, argv.data(), environ);
   ::posix_spawn_file_actions_destroy(&files);

@@ -4,6 +4,7 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 
 import cli_case
@@ -203,6 +204,20 @@ class Convert(CliTest):
         os.mkdir(self.path("a.face"))
         self.refused("convert", source, "-o", self.path("a.ele"), said=["a.face", "folder"])
         self.assertEqual((self.read_bytes("a.ele"), self.read_bytes("a.node")), (b"old", b"old"))
+
+    def test_a_signal_before_the_mesh_is_written(self):
+        for sign in (signal.SIGINT, signal.SIGTERM):
+            self.put("out.mesh", "old")
+            words = [cli_case.TETUNE, "convert", "-", "-o", self.path("out.mesh")]
+            process = subprocess.Popen(words, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+            process.stdin.write(b"# reads on\n" * 50000)  # more than the pipe holds: it reads already
+            process.stdin.flush()
+            process.send_signal(sign)
+            self.assertEqual(process.wait(timeout=cli_case.HANG), 2)
+            process.stdin.close()
+            self.assertEqual(process.stderr.read(), b"\ntetune: interrupted, nothing was written\n")
+            process.stderr.close()
+            self.assertEqual((self.files(), self.read_bytes("out.mesh")), (["out.mesh"], b"old"))
 
     def test_tetgen_takes_what_is_written(self):
         program = shutil.which("tetgen")

@@ -308,6 +308,20 @@ class Geometry(CliTest):
         self.assertGreater(report["geometry"]["vertices_snapped"], 0)
         self.assertEqual([w.split(";")[0] for w in report["warnings"]], [moved])
 
+    def test_vertices_that_are_held_off_the_geometry_are_a_warning(self):
+        mesh = cylinder(3)
+        mesh.points = [(0.999 * x, 0.999 * y, z) for x, y, z in mesh.points]
+        required = [i + 1 for i, (x, y, z) in enumerate(mesh.points) if math.hypot(x, y) > 0.99 and z == 0]
+        self.assertGreater(len(required), 0)
+        text = "\n".join(["RequiredVertices", str(len(required)), *map(str, required), "End"])
+        source = self.put("in.mesh", mesh.text().replace("End", text))
+        said = f"{len(required)} vertices stay off the geometry, by up to 0.001: required entities, --freeze or"
+        report = self.optimize(source, "cylinder.step", self.path("out.mesh"))
+        self.assertEqual([w[:len(said)] for w in report["warnings"]], [said])
+        done = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--geometry", self.part("cylinder.step"),
+                            "--boundary", "slide", "-v", "0")
+        self.assertIn("warning: " + said, done.stderr)
+
     def test_options_that_have_no_meaning_with_a_geometry_are_refused(self):
         source, part = self.put("in.mesh", cylinder(3)), self.part("cylinder.step")
         self.refused("optimize", source, "-o", self.path("out.mesh"), "--geometry", part, said=["--boundary slide"])

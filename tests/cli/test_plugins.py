@@ -3,6 +3,8 @@
 
 import os
 import shutil
+import signal
+import time
 from pathlib import Path
 
 import cli_case
@@ -59,6 +61,21 @@ class Plugins(FormatTest):
 
     def test_a_bad_answer_is_an_error(self):
         self.expect_refused(self.installation("head -c 200 /dev/zero >/proc/self/fd/3"), "another build")
+
+    def test_a_plugin_that_starts_after_the_end_of_tetune_writes_nothing(self):
+        real = Path(cli_case.TETUNE).resolve().parents[1] / "libexec/tetune/tetune-vtk"
+        if not real.is_file():
+            self.skipTest("built without VTK")
+        pid = self.folder / "pid"
+        script = f"[ $1 = write ] || exec {real} \"$@\"\necho $$ >{pid}.new\nmv {pid}.new {pid}\nparent=$PPID\n" \
+                 f"kill -KILL $parent\nwhile kill -0 $parent; do sleep 0.01; done\nexec {real} \"$@\""
+        done = self.run_tetune("convert", "cube.mesh", "out.vtu", program=self.installation(script))
+        self.assertEqual(done.returncode, -signal.SIGKILL, done.stderr)
+        end = time.monotonic() + cli_case.HANG
+        command = Path(f"/proc/{pid.read_text().strip()}/cmdline")  # empty of one that has ended
+        while command.exists() and command.read_bytes() and time.monotonic() < end:
+            time.sleep(0.01)
+        self.assertEqual(list(self.folder.glob("out.vtu*")), [])
 
     def test_a_medit_run_starts_no_plugin(self):
         program = self.installation(f"touch {self.folder}/ran")

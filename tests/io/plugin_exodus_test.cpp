@@ -107,6 +107,25 @@ TEST_F(Plugins, ArraysOfAnyNumberOfComponentsComeBackFromExodus) {
   EXPECT_EQ(names_of(read_mesh(path("scalars.e"), nullptr, 1).point_data), names_of(scalars.point_data));
 }
 
+TEST_F(Plugins, ComponentsWithoutAnUnderscoreAreOneArrayAsVtkWritesThem) {
+  TetMesh m = cube(2);
+  for (const char* const name : {"dispX", "dispY", "dispZ", "flatX", "flatY", "X", "Y", "Z", "velX", "velY", "lowx",
+                                 "lowy", "lowz", "velZ", "oneX", "hasX", "hasY", "hasZ", "has"}) {
+    m.point_data.push_back(numbered(name, 1, m.points.size(), static_cast<double>(m.point_data.size())));
+  }
+  m.tet_data = {numbered("fluxX", 1, m.tets.size(), 0), numbered("fluxY", 1, m.tets.size(), 1)};
+  write_mesh(path("a.e"), m, 1);
+  const TetMesh back = read_mesh(path("a.e"), nullptr, 1);
+  const std::vector<std::string> names{"disp", "flat", "X",    "Y",    "Z",    "velX", "velY", "lowx",
+                                       "lowy", "lowz", "velZ", "oneX", "hasX", "hasY", "hasZ", "has"};
+  EXPECT_EQ(names_of(back.point_data), names);
+  EXPECT_EQ(back.point_data[0].components, 3);
+  EXPECT_EQ(back.point_data[1].components, 2);
+  const std::vector<double> values = std::get<std::vector<double>>(back.point_data[0].values);
+  EXPECT_EQ(std::vector<double>(values.begin(), values.begin() + 6), (std::vector<double>{0, 1, 2, 1, 2, 3}));
+  EXPECT_EQ(names_of(back.tet_data), std::vector<std::string>{"flux"});
+}
+
 TEST_F(Plugins, IntegersThatExodusRoundsAreAWarning) {
   TetMesh m = cube(2);
   const std::size_t n = m.points.size();

@@ -92,6 +92,36 @@ TEST_F(Plugins, ElementsOfSeveralGroupsGetOneNameInExodus) {
   EXPECT_EQ(tags_of(read_mesh(path("b.msh"), nullptr, 1), "load").size(), 1U);  // elements of the same groups
 }
 
+TEST_F(Plugins, DataWithTheNameOfTagsAreRenamedInFilesOfVtk) {
+  for (const std::string tags_name : {"", "gmsh:physical"}) {
+    TetMesh m = with_tags({5, 9}, {1});
+    m.cell_tags_name = m.point_tags_name = tags_name;
+    m.point_tags[0] = 3;
+    const std::string name = tags_name.empty() ? "medit:ref" : tags_name;
+    m.tet_data = {{name, 1, std::vector<double>(m.tets.size(), 1)},
+                  {name + ":before", 1, std::vector<double>(m.tets.size(), 2)}};
+    m.triangle_data = {{name, 1, std::vector<double>(m.triangles.size(), 4)}};
+    m.point_data = {{name, 1, std::vector<double>(m.points.size(), 8)}};
+    for (const std::string ending : {".vtu", ".vtk"}) {
+      std::vector<std::string> warnings;
+      write_mesh(path("a" + ending), m, 1, &warnings);
+      EXPECT_TRUE(contains(warnings, "the cell data \"" + name + "\" are renamed to \"" + name + ":before:before\""));
+      EXPECT_TRUE(contains(warnings, "the point data \"" + name + "\" are renamed to \"" + name + ":before\""));
+      const TetMesh back = read_mesh(path("a" + ending), nullptr, 1);
+      EXPECT_TRUE(same_tags(m, back)) << ending;
+      EXPECT_EQ(back.point_tags, m.point_tags) << ending;
+      const std::vector<std::pair<const std::vector<DataArray>*, std::string>> renamed{
+          {&back.tet_data, ":before:before"}, {&back.triangle_data, ":before:before"}, {&back.point_data, ":before"}};
+      const std::vector<double> values{1, 4, 8};
+      for (std::size_t i = 0; i < renamed.size(); ++i) {
+        const DataArray* const array = find(*renamed[i].first, name + renamed[i].second);
+        ASSERT_NE(array, nullptr) << ending << " " << i;
+        EXPECT_EQ(doubles(*array)[0], values[i]) << ending << " " << i;
+      }
+    }
+  }
+}
+
 TEST_F(Plugins, TagsComeUnderTheNamesThatOtherProgramsGiveThem) {
   for (const std::string name : {"medit:ref", "gmsh:physical", "tetgen:ref", "refs", "gmsh:geometrical"}) {
     TetMesh m = rich();

@@ -106,6 +106,12 @@ class Failures(MpiTest):
         sliding = self.mpi(2, source, self.path("out.mesh"), "--boundary", "slide", code=2)
         for part in ["counted from 1: ", *said]:
             self.assertIn(part, sliding.stderr)
+        # The number is that of all ranks.
+        for more in ([], ["--boundary", "slide"]):
+            for ranks in (1, 2, 3):
+                done = self.mpi(ranks, source, self.path("out.mesh"), *more, code=2)
+                self.assertIn(f" {len(inverted)} of the tetrahedra are inverted", done.stderr)
+                self.assertIn(f"first, counted from 1: {numbers})", done.stderr)
 
     def test_mesh_that_overlaps_itself(self):
         source = self.put("overlapping.mesh", cli_case.OVERLAPPING)
@@ -131,9 +137,18 @@ class Failures(MpiTest):
         self.refused(mpi_case.BRACKET, "-hausd", "0.1", said=["-hausd", "tetune-mpi --help"])
 
     def test_options_of_tetune_alone_are_named(self):
-        for words, said in ((["--untangle"], "tetune-mpi does not"), (["--map=a"], "tetune-mpi does not"), (["--efort", "best"], "--efort"),
+        for words, said in ((["--untangle"], "tetune-mpi does not"), (["--map=a"], "tetune-mpi does not"), (["--efort", "best"], "--efort: there is no such option; did you mean --effort?"),
                             (["--threads", "x"], "--threads: 'x' is not an integer")):
             self.refused(mpi_case.BRACKET, *words, said=["tetune-mpi: ", said, "tetune-mpi --help"])
+
+    def test_endings_of_a_dmplex_are_known(self):
+        self.refused(self.put("in.foo", ""), said=["tetune-mpi: ", "known endings: .mesh ", ".cgns .h5\n"])
+        done = self.mpi(1, mpi_case.BRACKET, self.path("out.foo"), code=2)
+        self.assertIn(".cgns .h5 .xmf\n", done.stderr)
+
+    def test_help_is_of_options_as_they_are(self):
+        done = subprocess.run(mpi_case.command(1, "--help"), capture_output=True, text=True, check=True)
+        self.assertIn("--freeze tag=N,...,patch=N,...\n", done.stdout)
 
     def test_options_without_effect(self):
         done = self.mpi(3, mpi_case.BRACKET, self.path("out.mesh"), "--max-deviation", "1")

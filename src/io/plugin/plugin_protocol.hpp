@@ -21,8 +21,9 @@
 ///   project   ProjectQuery, ProjectAnswer
 ///
 /// Input and answer go through the descriptor kPluginDescriptor, a file in memory, encoded as in mesh_stream.hpp; the
-/// answer replaces the input. The exit code is 0 whenever there is an answer. Where tetune ends before the program
-/// does, the program deletes the FILE that it writes.
+/// answer replaces the input. The exit code is 0 whenever there is an answer. Where tetune, whose process id is the
+/// owner of the descriptor (F_GETOWN), ends before the program does, the program ends and deletes the FILE that it
+/// writes.
 namespace tetune {
 
 inline constexpr int kPluginDescriptor = 3;
