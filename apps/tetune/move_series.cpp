@@ -134,7 +134,8 @@ class SeriesRun {
                                       job_.output, file));
       }
     }
-    Input first = read_input(steps_[0].path, options_.threads);
+    Input first;
+    first.mesh = read_step(steps_[0], &first.warnings, options_.threads);
     choose_tags(first, steps_[0].path, a_.tags);
     for (const std::string& w : first.warnings) warn(w);
     input_ = std::move(first.mesh);
