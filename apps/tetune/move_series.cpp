@@ -89,6 +89,7 @@ class SeriesRun {
       result_.code = kStoppedEarly;
       result_.summary = "interrupted";
       stopped_at_ = written_.size();
+      blocked_fraction_.reset();
     }
     result_.after = quality(mesh.mesh(), options_.threads);
     finish();
@@ -230,6 +231,7 @@ class SeriesRun {
         result_.code = kStoppedEarly;
         result_.summary = "motion blocked";
         stopped_at_ = i;
+        blocked_fraction_ = report->fraction;
         text += move_summary(*report, mesh);
       }
     }
@@ -240,8 +242,10 @@ class SeriesRun {
   void finish() {
     // Without tables, nothing else says why the exit code is not 0; a time that failed is an error.
     if (stopped_at_ && console_.verbosity() < 1) {
-      const double time = steps_[std::min(*stopped_at_, steps_.size() - 1)].time;
-      warn(fmt::format("{}: {} at time {:.6g}", shown_output(job_.output), result_.summary, time));
+      const std::string output = shown_output(job_.output);
+      const std::string at = fmt::format("at time {:.6g}", steps_[std::min(*stopped_at_, steps_.size() - 1)].time);
+      warn(blocked_fraction_ ? blocked_text(output, at, *blocked_fraction_)
+                             : fmt::format("{}: {} {}", output, result_.summary, at));
     }
     if (!job_.report.empty()) {
       const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},        {"input", job_.input},
@@ -259,9 +263,10 @@ class SeriesRun {
   Console& console_;
   Options options_;
   std::vector<SeriesStep> steps_, written_;
-  TetMesh input_;                          ///< of the first file
-  std::vector<Index> original_of_;         ///< per vertex: that of the first file, or -1
-  std::optional<std::size_t> stopped_at_;  ///< the step at which a blocked motion or an interruption ended the run
+  TetMesh input_;                           ///< of the first file
+  std::vector<Index> original_of_;          ///< per vertex: that of the first file, or -1
+  std::optional<std::size_t> stopped_at_;   ///< the step at which a blocked motion or an interruption ended the run
+  std::optional<double> blocked_fraction_;  ///< of the step at which the motion was blocked
   std::vector<std::string> warnings_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();
   JobResult result_;

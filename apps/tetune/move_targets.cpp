@@ -137,6 +137,13 @@ std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments
   return targets;
 }
 
+std::string blocked_text(const std::string& output, const std::string& target, double fraction) {
+  return fmt::format(
+      "{}: motion blocked {}, after {:.4g} % of the way there: the valid mesh of that fraction was written; move less, "
+      "or in more steps; -v 1 lists the elements that block it",
+      output, target, 100 * fraction);
+}
+
 std::string move_summary(const MoveReport& r, const TetMesh& mesh) {
   std::string text = fmt::format("  moved {} vertices to {} of {} targets in {} steps\n", r.prescribed,
                                  r.targets_reached, r.targets, r.steps.size());

@@ -143,6 +143,10 @@ class Moves(CliTest):
         self.assertTrue(motion["blocking_tetrahedra"] and motion["blocking_vertices"])
         self.assertLessEqual(max(motion["blocking_tetrahedra"]), len(after.tets))
         self.assertGreaterEqual(min(motion["blocking_vertices"]), 1)
+        done = self.run_cli("move", self.source, "-o", self.path("quiet.mesh"), "--to", self.path("to.mesh"), "--quiet", code=1)
+        self.assertEqual(done.stdout, "")
+        self.assertIn("quiet.mesh: motion blocked at target 1, after %.4g %% of the way there: " % (100 * motion["fraction"]), done.stderr)
+        self.assertEqual(self.read_bytes("quiet.mesh"), self.read_bytes("out.mesh"))
 
     @needs_vtk
     def test_names_what_blocks(self):

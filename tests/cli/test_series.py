@@ -186,7 +186,8 @@ class Series(CliTest):
         self.vtk("b.vtk", self.stretched(-1))
         done = self.run_cli("move", self.series([(0, "a.vtk"), (2.5, "b.vtk")]), "-o", self.path("out.pvd"), "--quiet", code=1)
         self.assertEqual(done.stdout, "")
-        self.assertIn("out.pvd: motion blocked at time 2.5", done.stderr)
+        self.assertIn("out.pvd: motion blocked at time 2.5, after ", done.stderr)
+        self.assertIn(" % of the way there: the valid mesh of that fraction was written; ", done.stderr)
 
     @needs_vtk
     def test_a_time_at_which_nothing_moves(self):
