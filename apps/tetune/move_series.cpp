@@ -205,6 +205,7 @@ class SeriesRun {
       original_of_ = std::move(now);
     }
     for (const std::string& w : run_warnings(report.optimization, a_.move->displacement)) warn(w);
+    for (const std::string& w : report.warnings(true)) warn(w);
     return report;
   }
 

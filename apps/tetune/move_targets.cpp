@@ -184,12 +184,18 @@ nlohmann::ordered_json to_json(const MoveReport& r) {
                      {"dihedral_min_deg", s.dihedral_min},
                      {"seconds", s.seconds}});
   }
+  nlohmann::ordered_json inverted = nlohmann::ordered_json::array();
+  for (const InvertedOthers& others : r.inverted_others) {
+    inverted.push_back({{"kind", others.kind}, {"elements", one_based(others.elements)}});
+  }
   return {{"vertices_prescribed", r.prescribed},
           {"targets", r.targets},
           {"targets_reached", r.targets_reached},
           {"fraction", r.fraction},
           {"blocking_tetrahedra", one_based(r.blocking_tets)},
           {"blocking_vertices", one_based(r.blocking_vertices)},
+          {"frozen_vertices_moved", r.frozen_moved},
+          {"inverted_elements", inverted},
           {"steps", steps}};
 }
 

@@ -197,6 +197,7 @@ class Run {
     };
     improve(context);
     warn_all(run_warnings(report_, a_.move ? a_.move->displacement : ""));
+    warn_all(motion_.warnings(true));
     if (report_.unchanged.empty() && !criteria_.undone.empty()) warn(criteria_.undone);
   }
 
