@@ -168,6 +168,7 @@ class Moves(CliTest):
             said = "the motion inverted 1 of the Prisms (first, counted from 1: 1): "
             self.assertEqual(said in done.stderr, bool(inverted))
             self.assertEqual([w.startswith(said) for w in report["warnings"]], [True] * len(inverted))
+        self.assertIn("boundary closed; elements of other kinds are not checked", self.run_cli("info", self.path("out.mesh")).stdout)
 
     def test_frozen_vertices_that_targets_move(self):
         self.mesh.tet_tags = [1 if sum(self.mesh.points[v][0] for v in tet) < 2 else 2 for tet in self.mesh.tets]
