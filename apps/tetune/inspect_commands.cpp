@@ -207,6 +207,15 @@ void print_verdict(const std::string& name, const Inspection& i, const std::vect
   fmt::print("{}: {}\n", name, text);
 }
 
+/// The sentence on a valid mesh, which names what is checked.
+std::string validity_of(const TetMesh& mesh) {
+  const bool has_others = std::any_of(mesh.others.begin(), mesh.others.end(),
+                                      [](const ElementBlock& block) { return block.kind != kPoints; });
+  return fmt::format("valid: {} positive, every face on one or two tetrahedra, boundary closed{}",
+                     has_others ? "the volume of every tetrahedron" : "every volume",
+                     has_others ? "; elements of other kinds are not checked" : "");
+}
+
 void print_tables(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
   const bool has_tets = !i.mesh.tets.empty();
   const Box box = bounding_box(i.mesh);
@@ -214,9 +223,7 @@ void print_tables(const std::string& name, const Inspection& i, const std::vecto
   fmt::print("  box                     {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}, diagonal {:.6g}\n", box.low[0],
              box.low[1], box.low[2], box.high[0], box.high[1], box.high[2], box.diagonal());
   if (i.measured && has_tets) fmt::print("  volume                  {:.6g}\n", i.quality.volume);
-  fmt::print("  {}\n", is_valid(i)
-                           ? "valid: every volume positive, every face on one or two tetrahedra, boundary closed"
-                           : invalidity_of(i));
+  fmt::print("  {}\n", is_valid(i) ? validity_of(i.mesh) : invalidity_of(i));
   if (i.measured && has_tets) {
     const auto& findings = i.validity.findings;
     const bool inverted = std::any_of(findings.begin(), findings.end(),

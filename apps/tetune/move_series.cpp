@@ -89,6 +89,7 @@ class SeriesRun {
       result_.code = kStoppedEarly;
       result_.summary = "interrupted";
       stopped_at_ = written_.size();
+      blocked_fraction_.reset();
     }
     result_.after = quality(mesh.mesh(), options_.threads);
     finish();
@@ -134,7 +135,8 @@ class SeriesRun {
                                       job_.output, file));
       }
     }
-    Input first = read_input(steps_[0].path, options_.threads);
+    Input first;
+    first.mesh = read_step(steps_[0], &first.warnings, options_.threads);
     choose_tags(first, steps_[0].path, a_.tags);
     for (const std::string& w : first.warnings) warn(w);
     input_ = std::move(first.mesh);
@@ -203,6 +205,7 @@ class SeriesRun {
       original_of_ = std::move(now);
     }
     for (const std::string& w : run_warnings(report.optimization, a_.move->displacement)) warn(w);
+    for (const std::string& w : report.warnings(true)) warn(w);
     return report;
   }
 
@@ -229,6 +232,7 @@ class SeriesRun {
         result_.code = kStoppedEarly;
         result_.summary = "motion blocked";
         stopped_at_ = i;
+        blocked_fraction_ = report->fraction;
         text += move_summary(*report, mesh);
       }
     }
@@ -239,8 +243,10 @@ class SeriesRun {
   void finish() {
     // Without tables, nothing else says why the exit code is not 0; a time that failed is an error.
     if (stopped_at_ && console_.verbosity() < 1) {
-      const double time = steps_[std::min(*stopped_at_, steps_.size() - 1)].time;
-      warn(fmt::format("{}: {} at time {:.6g}", shown_output(job_.output), result_.summary, time));
+      const std::string output = shown_output(job_.output);
+      const std::string at = fmt::format("at time {:.6g}", steps_[std::min(*stopped_at_, steps_.size() - 1)].time);
+      warn(blocked_fraction_ ? blocked_text(output, at, *blocked_fraction_)
+                             : fmt::format("{}: {} {}", output, result_.summary, at));
     }
     if (!job_.report.empty()) {
       const nlohmann::ordered_json json = {{"tetune", TETUNE_VERSION},        {"input", job_.input},
@@ -258,9 +264,10 @@ class SeriesRun {
   Console& console_;
   Options options_;
   std::vector<SeriesStep> steps_, written_;
-  TetMesh input_;                          ///< of the first file
-  std::vector<Index> original_of_;         ///< per vertex: that of the first file, or -1
-  std::optional<std::size_t> stopped_at_;  ///< the step at which a blocked motion or an interruption ended the run
+  TetMesh input_;                           ///< of the first file
+  std::vector<Index> original_of_;          ///< per vertex: that of the first file, or -1
+  std::optional<std::size_t> stopped_at_;   ///< the step at which a blocked motion or an interruption ended the run
+  std::optional<double> blocked_fraction_;  ///< of the step at which the motion was blocked
   std::vector<std::string> warnings_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();
   JobResult result_;

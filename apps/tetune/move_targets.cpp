@@ -137,6 +137,13 @@ std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments
   return targets;
 }
 
+std::string blocked_text(const std::string& output, const std::string& target, double fraction) {
+  return fmt::format(
+      "{}: motion blocked {}, after {:.4g} % of the way there: the valid mesh of that fraction was written; move less, "
+      "or in more steps; -v 1 lists the elements that block it",
+      output, target, 100 * fraction);
+}
+
 std::string move_summary(const MoveReport& r, const TetMesh& mesh) {
   std::string text = fmt::format("  moved {} vertices to {} of {} targets in {} steps\n", r.prescribed,
                                  r.targets_reached, r.targets, r.steps.size());
@@ -177,12 +184,18 @@ nlohmann::ordered_json to_json(const MoveReport& r) {
                      {"dihedral_min_deg", s.dihedral_min},
                      {"seconds", s.seconds}});
   }
+  nlohmann::ordered_json inverted = nlohmann::ordered_json::array();
+  for (const InvertedOthers& others : r.inverted_others) {
+    inverted.push_back({{"kind", others.kind}, {"elements", one_based(others.elements)}});
+  }
   return {{"vertices_prescribed", r.prescribed},
           {"targets", r.targets},
           {"targets_reached", r.targets_reached},
           {"fraction", r.fraction},
           {"blocking_tetrahedra", one_based(r.blocking_tets)},
           {"blocking_vertices", one_based(r.blocking_vertices)},
+          {"frozen_vertices_moved", r.frozen_moved},
+          {"inverted_elements", inverted},
           {"steps", steps}};
 }
 

@@ -26,6 +26,9 @@ std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments
 VertexTargets target_of(const TetMesh& mesh, const TetMesh& source, const std::string& path,
                         const MoveArguments& arguments);
 
+/// The sentence on a motion that was blocked on the way to a target, such as "at time 2.5".
+std::string blocked_text(const std::string& output, const std::string& target, double fraction);
+
 /// How far the motion went, and what blocked it. `mesh` is the result.
 std::string move_summary(const MoveReport& report, const TetMesh& mesh);
 nlohmann::ordered_json to_json(const MoveReport& report);

@@ -199,6 +199,7 @@ class Run {
     improve(context);
     warn_all(run_warnings(report_, a_.move ? a_.move->displacement : ""));
     warn_all(geometry_warnings(on_geometry_));
+    warn_all(motion_.warnings(true));
     if (report_.unchanged.empty() && !criteria_.undone.empty()) warn(criteria_.undone);
   }
 
@@ -266,7 +267,7 @@ class Run {
       change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);
     }
     if (change && options_.max_deviation > 0) check_deviation(*change);
-    if (result_.code == kStoppedEarly && !shows_figures()) warn(shown_output(job_.output) + ": " + result_.summary);
+    if (result_.code == kStoppedEarly && !shows_figures()) warn(shortfall());
     if (!job_.trace.empty()) write_beside_mesh(job_.trace, trace_csv(report_));
     if (!job_.report.empty()) {
       nlohmann::ordered_json json = full_report();
@@ -284,6 +285,13 @@ class Run {
       result_.summary = "report not written";
     }
     if (shows_figures()) console_.print(summary(change));
+  }
+
+  /// The sentence on a run that ended early, where no table says why.
+  std::string shortfall() const {
+    const std::string output = shown_output(job_.output);
+    if (stopped() || motion_.reached()) return output + ": " + result_.summary;
+    return blocked_text(output, fmt::format("at target {}", motion_.targets_reached + 1), motion_.fraction);
   }
 
   void check_deviation(const Comparison& change) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tetune/context.hpp"
@@ -28,6 +29,14 @@ struct MoveStep {
   double seconds = 0;
 };
 
+/// Elements of a block that move() inverted: in the input the Jacobian determinant has the same sign at all corners,
+/// and in the result it has another sign, or is 0, at one of them. Of second-order elements the vertices count alone.
+struct InvertedOthers {
+  std::string kind;             ///< ElementBlock::kind
+  std::size_t block = 0;        ///< position in TetMesh::others
+  std::vector<Index> elements;  ///< positions in the block, in increasing order
+};
+
 /// The account of a run of move().
 struct MoveReport {
   /// The account of the work on the mesh, all steps together. Its maps are from the result to the input.
@@ -43,6 +52,13 @@ struct MoveReport {
   /// stop.
   std::vector<Index> blocking_tets, blocking_vertices;
   bool reached() const { return targets_reached == targets; }
+  /// The number of vertices that targets move although the options freeze them.
+  std::int64_t frozen_moved = 0;
+  /// Pyramids, prisms and hexahedra that the motion inverted.
+  std::vector<InvertedOthers> inverted_others;
+  /// The warnings on frozen vertices and inverted elements, whose ids count from 1 or 0; Report::warnings has the
+  /// latter.
+  TETUNE_API std::vector<std::string> warnings(bool one_based) const;
 };
 inline constexpr std::size_t kMaxBlocking = 1000;
 
@@ -57,6 +73,7 @@ inline constexpr std::size_t kMaxBlocking = 1000;
 /// not at all beside prescribed vertices that leave that plane; with `slide` on the surface of the input, but for
 /// triangles of it all of whose vertices are prescribed and some of which move. Inner vertices that the lists of the
 /// mesh hold and that are not prescribed stay, or on straight tagged lines move along these: see surface_targets().
+/// Elements of other kinds follow their vertices; the report names those that are inverted.
 ///
 /// If a target cannot be reached, or a hook of `context` requests a stop, move() returns the valid mesh of the last
 /// fraction that was reached; the report says how far that is and which elements block the way. A straight way to a

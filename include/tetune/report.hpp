@@ -147,8 +147,9 @@ struct Report : OperationCounts {
   std::vector<std::string> moved_fields;
   /// With Options::only_below, and of optimize_towards(): the reason why the mesh was left as it is; else empty.
   std::string unchanged;
-  std::vector<std::string> warnings;  ///< of options without effect, see ineffective_options(), and the three above
-  double seconds = 0;                 ///< wall-clock time of optimize()
+  /// Of options without effect, see ineffective_options(), the three above, and MoveReport::warnings().
+  std::vector<std::string> warnings;
+  double seconds = 0;  ///< wall-clock time of optimize()
   StopReason stop = StopReason::converged;
 };
 

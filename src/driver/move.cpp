@@ -8,6 +8,7 @@
 #include "boundary/vertex_dof.hpp"
 #include "driver/devices.hpp"
 #include "driver/move_job.hpp"
+#include "driver/move_warnings.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "math/constants.hpp"
 #include "mesh/id_maps.hpp"
@@ -161,6 +162,10 @@ MoveReport move_on(TetMesh& mesh, std::span<const VertexTargets> targets, const 
   MoveJob job{targets, scale_of(targets), std::move(motion), report};
   report.prescribed = std::count_if(job.motion.begin(), job.motion.end(), [](std::uint8_t m) { return m != 0; });
   report.targets = targets.size();
+  require_arrays(mesh);
+  std::vector<std::uint8_t> moves(job.motion.size(), 0);
+  for (Size v = 0; v < std::ssize(moves); ++v) span_of(moves)[v] = (span_of(job.motion)[v] & kMoves) != 0 ? 1 : 0;
+  MoveWarnings warnings(mesh, options, moves);
   Options held = options;
   if (held.frozen_vertices.empty()) held.frozen_vertices.resize(job.motion.size(), 0);
   // Another length is refused later.
@@ -169,6 +174,7 @@ MoveReport move_on(TetMesh& mesh, std::span<const VertexTargets> targets, const 
   }
   report.optimization = run_on_device(mesh, held, context, surface, &job);
   restore_bits(mesh, targets, report);
+  warnings.add_to(mesh, report);
   return report;
 }
 

@@ -22,14 +22,22 @@ const char* name_of(Enum enumerator, std::initializer_list<const char*> names) {
 /// The number of ids that a message lists.
 inline constexpr std::size_t kShownIds = 5;
 
-/// The first zero-based ids as a part of a message, " (first, counted from 1: 3, 8)"; empty if there are none.
-inline std::string first_ids(const std::vector<Index>& ids, bool one_based) {
-  if (ids.empty()) return "";
-  std::string text = std::string(" (first, counted from ") + (one_based ? "1" : "0");
+/// Appends the first zero-based ids to a message, as " (first, counted from 1: 3, 8)"; nothing if there are none.
+inline void append_first_ids(const std::vector<Index>& ids, bool one_based, std::string& text) {
+  if (ids.empty()) return;
+  text += one_based ? " (first, counted from 1" : " (first, counted from 0";
   for (std::size_t i = 0; i < std::min(ids.size(), kShownIds); ++i) {
-    text += (i == 0 ? ": " : ", ") + std::to_string(ids[i] + (one_based ? 1 : 0));
+    text += i == 0 ? ": " : ", ";
+    text += std::to_string(ids[i] + (one_based ? 1 : 0));
   }
-  return text + ")";
+  text += ")";
+}
+
+/// The same as a text.
+inline std::string first_ids(const std::vector<Index>& ids, bool one_based) {
+  std::string text;
+  append_first_ids(ids, one_based, text);
+  return text;
 }
 
 /// A position as a part of a message: "near 0.5 -2 1e+06".

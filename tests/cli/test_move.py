@@ -143,6 +143,46 @@ class Moves(CliTest):
         self.assertTrue(motion["blocking_tetrahedra"] and motion["blocking_vertices"])
         self.assertLessEqual(max(motion["blocking_tetrahedra"]), len(after.tets))
         self.assertGreaterEqual(min(motion["blocking_vertices"]), 1)
+        done = self.run_cli("move", self.source, "-o", self.path("quiet.mesh"), "--to", self.path("to.mesh"), "--quiet", code=1)
+        self.assertEqual(done.stdout, "")
+        self.assertIn("quiet.mesh: motion blocked at target 1, after %.4g %% of the way there: " % (100 * motion["fraction"]), done.stderr)
+        self.assertEqual(self.read_bytes("quiet.mesh"), self.read_bytes("out.mesh"))
+
+    def with_prism(self, name, height):
+        """The mesh with a prism beside it."""
+        n = len(self.mesh.points)
+        prism = [(x + 3.0, y, z * height) for z in (0, 1) for x, y in ((0, 0), (1, 0), (0, 1))]
+        text = Mesh(self.mesh.points + prism, self.mesh.tets).text()
+        self.assertIn("\nEnd", text)
+        words = " ".join(str(n + i) for i in range(1, 7))
+        return self.put(name, text.replace("\nEnd", f"\nPrisms\n1\n{words} 0\nEnd"))
+
+    def test_elements_of_other_kinds_that_are_inverted(self):
+        source = self.with_prism("prism.mesh", 1.0)
+        for height, inverted in ((0.5, []), (-0.5, [{"kind": "Prisms", "elements": [1]}])):
+            done = self.run_cli("move", source, "-o", self.path("out.mesh"), "--to", self.with_prism("to.mesh", height),
+                                "--report", self.path("r.json"))
+            with open(self.path("r.json")) as file:
+                report = json.load(file)
+            self.assertEqual(report["motion"]["inverted_elements"], inverted)
+            said = "the motion inverted 1 of the Prisms (first, counted from 1: 1): "
+            self.assertEqual(said in done.stderr, bool(inverted))
+            self.assertEqual([w.startswith(said) for w in report["warnings"]], [True] * len(inverted))
+        self.assertIn("boundary closed; elements of other kinds are not checked", self.run_cli("info", self.path("out.mesh")).stdout)
+
+    def test_frozen_vertices_that_targets_move(self):
+        self.mesh.tet_tags = [1 if sum(self.mesh.points[v][0] for v in tet) < 2 else 2 for tet in self.mesh.tets]
+        self.source = self.put("in.mesh", self.mesh)
+        to = self.put("to.mesh", stretched(self.mesh))
+        frozen = {v for tet, tag in zip(self.mesh.tets, self.mesh.tet_tags) if tag == 2 for v in tet}
+        after, motion, _ = self.move("--to", to, "--freeze", "tag=2", "--all-vertices")
+        self.assertEqual(motion["frozen_vertices_moved"], len(frozen))
+        for v in frozen:
+            self.assertEqual(after.points[v], (1.5 * self.mesh.points[v][0], *self.mesh.points[v][1:]))
+        with open(self.path("r.json")) as file:
+            self.assertTrue(json.load(file)["warnings"][0].startswith(f"targets move {len(frozen)} frozen vertices: "))
+        _, motion, _ = self.move("--to", to)
+        self.assertEqual(motion["frozen_vertices_moved"], 0)
 
     @needs_vtk
     def test_names_what_blocks(self):

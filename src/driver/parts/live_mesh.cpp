@@ -10,6 +10,7 @@
 #include "driver/distributed_interface.hpp"
 #include "driver/limit_growth.hpp"
 #include "driver/move_job.hpp"
+#include "driver/move_warnings.hpp"
 #include "driver/parts/live_surface.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/targets.hpp"
@@ -132,6 +133,8 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
                                               const Context& context) {
   MoveReport report;
   report.targets = report.targets_reached = 1;
+  const std::int64_t frozen_moved = count_frozen_moved(mesh_, options_, moves);
+  std::string frozen_warning = frozen_text(frozen_moved);
   int rings = neighborhood_;
   for (std::size_t size = 0, last = 0;; last = size) {
     const auto change = [&](ActivePart& part, const Context& hooks) {
@@ -154,6 +157,9 @@ std::optional<MoveReport> LiveMesh::move_part(const VertexTargets& target, const
     } catch (const Error&) {
       return std::nullopt;
     }
+    // The options of a part freeze other vertices than those of the mesh.
+    report.frozen_moved = frozen_moved;
+    if (frozen_moved > 0) report.optimization.warnings.push_back(std::move(frozen_warning));
     follow(report.optimization);
     return report;
   }

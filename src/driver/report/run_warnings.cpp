@@ -19,6 +19,9 @@ bool is_floating(const DataArray& array) {
       array.values);
 }
 
+/// Those on fields, of the run and on frozen vertices, and one per list of solids of other kinds.
+constexpr std::size_t kRoom = 9;
+
 bool has_moved(const Report& report) {
   const auto moved = [](const auto& step) { return step.moved > 0; };
   return std::any_of(report.sweeps.begin(), report.sweeps.end(), moved) ||
@@ -28,7 +31,7 @@ bool has_moved(const Report& report) {
 }  // namespace
 
 RunWarnings::RunWarnings(const TetMesh& mesh, const Options& options) : warnings_(ineffective_options(options)) {
-  warnings_.reserve(warnings_.size() + 2);
+  warnings_.reserve(warnings_.size() + kRoom);
   if (options.data != DataTransfer::carry) return;
   std::string names;
   for (const DataArray& array : mesh.point_data) {

@@ -20,7 +20,7 @@ class RunWarnings {
   void add_to(Report& report, std::vector<std::string> of_run = {}, bool moved_besides = false);
 
  private:
-  std::vector<std::string> warnings_;  ///< with room for two more
+  std::vector<std::string> warnings_;  ///< with room for more, also those of move()
   std::vector<std::string> fields_;    ///< that move with their vertices
   std::string of_fields_;
 };
