@@ -90,7 +90,8 @@ bool has_channel() {
 
 void install_signal_handlers(const char* written_file) {
   file_to_delete = written_file;
-  parent = ::fcntl(kPluginDescriptor, F_GETOWN);
+  const int owner = ::fcntl(kPluginDescriptor, F_GETOWN);
+  parent = owner >= 0 ? owner : ::getppid();  // 0: it has ended; an emulator of Linux may not know owners
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGTERM, handle_end_of_parent);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
