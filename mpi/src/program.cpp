@@ -128,7 +128,7 @@ class Program {
       constexpr Id kMaxOfRank = std::numeric_limits<Index>::max();
       if (!to_plex && !is_meshb(job_.output) && std::max(input.totals.vertices, input.totals.cells) > kMaxOfRank) {
         throw FileError(job_.output +
-                        ": one rank writes this format, of at most 2^31 - 1 vertices and tetrahedra; give " + ".meshb");
+                        ": one rank writes this format, of at most 2^31 - 1 vertices and tetrahedra; give .meshb");
       }
       if (!to_plex) return;
       // Cells, faces, edges and vertices.
