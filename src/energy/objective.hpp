@@ -25,10 +25,11 @@ TETUNE_HD TETUNE_INLINE T square_root(const T& x) {
 /// The energy of one tetrahedron, E = c q^(gu / 2) w^gv with q = 4 * sum of squared areas and w = 6 * volume, and the
 /// coefficients of its derivatives: with u = grad q / (2 q), v = grad w / w and Q = Hess q / 2,
 ///   grad E = E (gu u + gv v),   Hess E = E (gu Q / q + uu u u^T + uv (u v^T + v u^T) + vv v v^T).
-/// Every such energy is convex where w > 0 (docs/method.md).
+/// Every such energy is convex where w > 0 (docs/method.md), but for roots of the shape energy, in place of whose
+/// Hessian the coefficients give a convex upper bound.
 struct Objective {
   bool shape;      ///< a power of the shape energy; otherwise the harmonic energy
-  int log2_power;  ///< binary logarithm of the power of the shape energy
+  int log2_power;  ///< binary logarithm of the power of the shape energy; negative: a root
   double factor;   ///< c
   double gu, gv, uu, uv, vv;
   /// Regularization of volumes while a mesh is untangled, relative to the cube of the local length: see
@@ -57,6 +58,7 @@ struct Objective {
   template <class T>
   TETUNE_HD TETUNE_INLINE T power(T e) const {
     for (int i = 0; i < log2_power; ++i) e = e * e;
+    for (int i = log2_power; i < 0; ++i) e = square_root(e);
     return e;
   }
 };
@@ -72,7 +74,7 @@ inline constexpr double kMinShapeEnergy = 1 - 1e-12;
 
 /// The shape energy (eta / eta_r)^(3/2) = q^(3/2) / (6 sqrt(3) w^2) raised to 2^log2_power, where eta_r is the harmonic
 /// index of the regular tetrahedron of the same volume. It is 1 for a regular tetrahedron of any size; a higher power
-/// gives more weight to the worst tetrahedra.
+/// gives more weight to the worst tetrahedra, a root less.
 constexpr Objective shape_objective(int log2_power) {
   double factor = kShapeFactor;
   double power = 1;
@@ -80,9 +82,22 @@ constexpr Objective shape_objective(int log2_power) {
     factor *= factor;
     power *= 2;
   }
+  double root = 1;
+  for (int i = log2_power; i < 0; ++i) {
+    factor = std::sqrt(factor);
+    root /= 2;
+  }
   const double a = 1.5 * power;
   const double b = 2 * power;
-  return {true, log2_power, factor, 2 * a, -b, 4 * a * a - 4 * a, -2 * a * b, b * b + b};
+  // A root is concave in E: E^root is below its tangent, whose Hessian is root E^(root - 1) times that of E.
+  return {true,
+          log2_power,
+          factor,
+          root * 2 * a,
+          -root * b,
+          root * (4 * a * a - 4 * a),
+          root * (-2 * a * b),
+          root * (b * b + b)};
 }
 inline constexpr Objective kShapeObjective = shape_objective(0);
 

@@ -55,14 +55,15 @@ class NewNeighborhoods {
   BufferOf<Backend, std::uint32_t> fingerprints_;  ///< per slot; 0: none
 };
 
-/// One round, on at most `max_fraction` of the tetrahedra. Returns (E0 - E1) / (E0 - 1), where E0 and E1 are the mean
-/// energies before and after.
+/// One round, on at most `max_fraction` of the tetrahedra. `energy`: its sum over the mesh, before and after. Returns
+/// (E0 - E1) / (E0 - 1), where E0 and E1 are the means before and after.
 template <class Backend>
 double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, double max_fraction,
-                  RetriangulationLimits limits, NewNeighborhoods<Backend>& neighborhoods, WorstReport& r) {
+                  RetriangulationLimits limits, NewNeighborhoods<Backend>& neighborhoods, double& energy,
+                  WorstReport& r) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
-  const auto mean_energy = [&] { return optimizer.energy() / static_cast<double>(work.mesh.tets()); };
+  const auto mean_energy = [&] { return energy / static_cast<double>(work.mesh.tets()); };
   limits.mean_energy = mean_energy();
   const double max_above = max_fraction * static_cast<double>(work.mesh.tets());
   const double bound = upper_quantile(backend, optimizer.slot_energies(), max_above);
@@ -70,7 +71,7 @@ double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, dou
   const auto proposers = neighborhoods.find_above(optimizer, bound);
   r.worst = worst.size();
   const auto improved = improve_around(optimizer, criterion, worst.span(), proposers.span(), limits, r);
-  optimizer.set_energy(sum_energy(backend, work.flips.energies));
+  energy = sum_energy(backend, work.flips.energies);
   r.moved = improved.swept.get().moved;
   return (limits.mean_energy - mean_energy()) / (limits.mean_energy - 1);
 }
@@ -80,20 +81,32 @@ double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, dou
 /// The number of vertices that a run has removed beyond those that it has inserted.
 inline std::int64_t net_removed(const Report& report) { return report.vertices_removed - report.vertices_inserted; }
 
-/// Inserts and removes vertices where that lowers the mean energy of the mesh, in rounds around its tetrahedra of the
-/// largest energies. `removed_before`: net_removed() at the start of the phases. Reports Report::worst_rounds. Returns
-/// false when the caller cancels.
+/// The objective whose mean describes the present mesh: the shape energy, or a root of it where a few tetrahedra that
+/// nothing improves make up the mean energy, as around layers much thinner than the elements are wide. Below such a
+/// mean even a poor new tetrahedron would be a gain.
 template <class Backend>
-bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, const QualityFloor& floor,
+Objective mean_objective(const Optimizer<Backend>& optimizer) {
+  const double mean = optimizer.energy() / double(optimizer.work.mesh.tets());
+  return mean > MeanParameters::kMaxMean ? shape_objective(MeanParameters::kLog2Root) : kShapeObjective;
+}
+
+/// Inserts and removes vertices where that lowers the mean of the criterion's objective over the mesh, in rounds around
+/// its tetrahedra of the largest energies. `removed_before`: net_removed() at the start of the phases. Reports
+/// Report::worst_rounds. Returns false when the caller cancels.
+template <class Backend>
+bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, const Criterion& criterion,
                        std::int64_t removed_before) {
   if (!edits_vertices(optimizer.options)) return true;
-  const Criterion criterion{kShapeObjective, floor};
   RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_fraction);
   limits.min_gain = p.min_gain;
   const Report& report = optimizer.report;
   const auto removed = [&] { return net_removed(report) - removed_before; };
   const auto max_removed = static_cast<std::int64_t>(p.max_removed * static_cast<double>(report.vertices));
-  optimizer.timer.measure(Phase::worst, [&] { optimizer.sum_energy(kShapeObjective); });
+  double energy = 0;
+  optimizer.timer.measure(Phase::worst, [&] {
+    energy =
+        refresh_energy(optimizer.backend, optimizer.work.mesh, {criterion.objective}, optimizer.work.flips.energies);
+  });
   lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {
@@ -101,8 +114,10 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, c
     WorstReport r;
     r.round = round;
     r.seconds = optimizer.timer.measure(Phase::worst, [&] {
-      fall = lower_mean_energy_detail::lower_once(optimizer, criterion, p.max_fraction, limits, neighborhoods, r);
+      fall =
+          lower_mean_energy_detail::lower_once(optimizer, criterion, p.max_fraction, limits, neighborhoods, energy, r);
     });
+    if (criterion.objective.log2_power == 0) optimizer.set_energy(energy);
     r.dihedral_min = optimizer.traced_angle();
     optimizer.report.worst_rounds.push_back(r);
     if (!optimizer.proceed(Phase::worst, optimizer.iteration())) return false;

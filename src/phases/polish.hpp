@@ -7,28 +7,28 @@
 
 namespace tetune {
 
-/// Lowers the energy of the whole mesh, which work on a few tetrahedra has raised: by inserted and removed vertices
+/// Lowers an objective over the whole mesh, which work on a few tetrahedra has raised: by inserted and removed vertices
 /// (lower_mean_energy()), then by sweeps, the first ones with flips. No tetrahedron becomes worse than the present
 /// worst, and no angle smaller than `reached` allows. Returns false when the caller cancels.
 template <class Backend>
-bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached, std::int64_t removed_before) {
+bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const QualityFloor& reached,
+            std::int64_t removed_before) {
   const PolishParameters& p = optimizer.tuning.polish;
   if (p.sweeps == 0) return true;
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
-  Criterion criterion{kShapeObjective};
+  Criterion criterion{objective};
   optimizer.timer.measure(Phase::angles, [&] {
     optimizer.sum_energy(kShapeObjective);
-    criterion.floor = find_floor(backend, work.mesh, optimizer.slot_energies());
     const AngleParameters& angles = optimizer.tuning.angles;
+    criterion.floor =
+        find_floor(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight);
     const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), angles.min_cost,
                                           angles.obtuse_weight);
     criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, angles.obtuse_weight);
     criterion.floor.limit_angles(reached.extremes());
-    limit_largest_angle(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight,
-                        criterion.floor);
   });
-  if (!lower_mean_energy(optimizer, p.mean, criterion.floor, removed_before)) return false;
+  if (!lower_mean_energy(optimizer, p.mean, criterion, removed_before)) return false;
   backend.fill(work.dofs.active.span(), std::uint8_t{1});
   for (int sweep = 1; sweep <= p.sweeps; ++sweep) {
     const bool ready = optimizer.refresh_rings();
@@ -38,7 +38,7 @@ bool polish(Optimizer<Backend>& optimizer, const QualityFloor& reached, std::int
       if (sweep > p.sweeps_with_flips) return;
       optimizer.release_rings();
       if (sweep == 1) {
-        optimizer.sum_energy(kShapeObjective);
+        refresh_energy(backend, work.mesh, {criterion.objective}, work.flips.energies);
         activate_all(backend, work.mesh, criterion, work.flips);
       } else {
         activate_drifted(backend, work.mesh, criterion, work.flips);

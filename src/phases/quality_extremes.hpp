@@ -9,8 +9,8 @@
 #include "energy/quality_floor.hpp"
 #include "mesh/work_mesh.hpp"
 
-/// The largest energy, the smallest dihedral angle and the smallest mean ratio of a mesh (docs/method.md, "The worst
-/// elements").
+/// The largest energy, the extreme dihedral angles and the smallest mean ratio of a mesh (docs/method.md, "Quality
+/// floor").
 namespace tetune {
 namespace quality_extremes_detail {
 
@@ -24,11 +24,13 @@ struct ValueOf {
   TETUNE_HD Maximum operator()(Size t) const { return {values[t]}; }
 };
 
-/// The cotangent of the smallest dihedral angle, and edge_term() of the smallest mean ratio.
+/// The cotangents of the extreme dihedral angles, and edge_term() of the smallest mean ratio.
 struct WorstMeasures {
-  double max_cot = -1, max_edge_term = 0;
+  DihedralCots cots;
+  double max_edge_term = 0;
   TETUNE_HD void merge(const WorstMeasures& other) {
-    max_cot = other.max_cot > max_cot ? other.max_cot : max_cot;
+    cots.max = other.cots.max > cots.max ? other.cots.max : cots.max;
+    cots.min = other.cots.min < cots.min ? other.cots.min : cots.min;
     max_edge_term = other.max_edge_term > max_edge_term ? other.max_edge_term : max_edge_term;
   }
 };
@@ -44,16 +46,8 @@ struct MeasureAbove {
     const Vec3 p[4] = {vec(mesh.points[tet[0]]), vec(mesh.points[tet[1]]), vec(mesh.points[tet[2]]),
                        vec(mesh.points[tet[3]])};
     const double w = six_volume_or_bound(p);
-    return {QualityFloor::dihedral_cots(p, w).max, edge_term(p, w)};
+    return {QualityFloor::dihedral_cots(p, w), edge_term(p, w)};
   }
-};
-
-/// The cotangent of the largest angle of a tetrahedron whose energy is above a bound, with the sign changed.
-struct MaxNegatedCotAbove {
-  MeshView mesh;
-  Span<const double> energies;
-  double bound;
-  TETUNE_HD Maximum operator()(Size t) const { return {energies[t] > bound ? -dihedral_cots(mesh, t).min : -1}; }
 };
 
 struct MaxCot {
@@ -96,11 +90,12 @@ struct AngleExtremes {
   }
 };
 
-/// The largest shape energy, the smallest dihedral angle and the smallest mean ratio, as bounds that no tetrahedron may
-/// exceed. `shapes` are the shape energies of all slots: only tetrahedra of a large energy can have small angles or a
-/// small mean ratio.
+/// The worst shape energy, dihedral angles and mean ratio, as bounds that no tetrahedron may exceed, but for angles up
+/// to that of the cotangent `allowed_cot`, which are allowed in every mesh. `shapes` are the shape energies of all
+/// slots: only tetrahedra of a large energy can have extreme angles or a small mean ratio.
 template <class Backend>
-QualityFloor find_floor(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes) {
+QualityFloor find_floor(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes,
+                        double allowed_cot = QualityFloor::kAllowedCot) {
   using namespace quality_extremes_detail;
   const auto measure_above = [&](double bound) {
     return backend.template reduce<WorstMeasures>(mesh.slots(), MeasureAbove{mesh.view(), shapes, bound});
@@ -108,23 +103,14 @@ QualityFloor find_floor(const Backend& backend, WorkMesh<Backend>& mesh, Span<co
   QualityFloor floor;
   floor.worst_shape = backend.template reduce<Maximum>(mesh.slots(), ValueOf{shapes}).value;
   WorstMeasures worst = measure_above(0.5 * floor.worst_shape);
-  worst.merge(measure_above(
-      std::min(QualityFloor::min_shape(worst.max_cot), QualityFloor::min_shape_of_mean_ratio(worst.max_edge_term))));
-  floor.max_cot = worst.max_cot;
+  worst.cots.min = std::min(worst.cots.min, allowed_cot);
+  worst.merge(measure_above(std::min({QualityFloor::min_shape(worst.cots.max), QualityFloor::min_shape(worst.cots.min),
+                                      QualityFloor::min_shape_of_mean_ratio(worst.max_edge_term)})));
+  floor.max_cot = worst.cots.max;
+  floor.min_cot = worst.cots.min;
   floor.max_edge_term = worst.max_edge_term;
   floor.add_tolerance();
   return floor;
-}
-
-/// Allows no dihedral angle that is larger than both the largest one of the mesh and that of the cotangent `cot`.
-/// `shapes` are the shape energies of all slots.
-template <class Backend>
-void limit_largest_angle(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, double cot,
-                         QualityFloor& floor) {
-  using namespace quality_extremes_detail;
-  const MaxNegatedCotAbove largest{mesh.view(), shapes, QualityFloor::min_shape(cot)};
-  const double negated = backend.template reduce<Maximum>(mesh.slots(), largest).value;
-  floor.limit_angles({kInfeasible, -(1 + QualityFloor::kTolerance) * std::max(-cot, negated)});
 }
 
 /// Returns the cotangent of the smallest dihedral angle.

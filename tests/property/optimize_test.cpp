@@ -34,6 +34,47 @@ TEST(Optimize, NoMeanRatioIsBelowTheSmallestOfTheInput) {
   }
 }
 
+/// Three materials in a cube of n layers of elements: the second one is a layer 1/20 as thick as the others, whose
+/// small angles its surfaces force on it.
+TetMesh with_thin_layer(int n, double jitter) {
+  TetMesh mesh = test::cube(n, jitter);
+  const int below = n / 2;
+  const auto level_of = [n](std::size_t v) { return static_cast<int>(v) / ((n + 1) * (n + 1)); };
+  constexpr double kThickness = 0.05;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    double& z = mesh.points[v][2];
+    if (level_of(v) == below) z = static_cast<double>(below) / n;
+    if (level_of(v) == below + 1) z = static_cast<double>(below + kThickness) / n;
+    if (level_of(v) > below + 1) z -= (1 - kThickness) / n;
+  }
+  mesh.tet_tags.clear();
+  for (const auto& tet : mesh.tets) {
+    int lowest = n;
+    for (const Index v : tet) lowest = std::min(lowest, level_of(static_cast<std::size_t>(v)));
+    mesh.tet_tags.push_back(lowest < below ? 1 : lowest == below ? 2 : 3);
+  }
+  return mesh;
+}
+
+TEST(Optimize, ElementsThatCannotImproveDoNotSpoilTheOthers) {
+  const TetMesh before = with_thin_layer(6, 0.25);
+  const Quality input = quality(before);
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    for (const Effort effort : {Effort::fast, Effort::standard, Effort::best}) {
+      Options options;
+      options.effort = effort;
+      options.boundary = boundary;
+      TetMesh after = before;
+      optimize(after, options);
+      const Quality q = quality(after);
+      EXPECT_GE(q.dihedral_min, input.dihedral_min * (1 - 1e-9));
+      EXPECT_LT(q.dihedral_max, std::max(input.dihedral_max, 156.9));
+      EXPECT_GT(q.dihedral_p5, input.dihedral_p5);
+      EXPECT_GT(q.mean_ratio, input.mean_ratio + 0.02);
+    }
+  }
+}
+
 TEST(Optimize, BestOpensTheSmallestAngles) {
   const TetMesh before = test::scrambled(test::cube(8, 0.25), 3);
   TetMesh standard = before;

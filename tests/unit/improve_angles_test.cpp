@@ -102,11 +102,21 @@ TEST(LowerMeanEnergy, VerticesThatWereRemovedBeforeDoNotCount) {
     work.report.vertices = work.set.mesh.vertices();
     work.report.vertices_removed = removed_before;
     const MeanParameters& p = work.optimizer.tuning.mean;
-    EXPECT_TRUE(lower_mean_energy(work.optimizer, p, QualityFloor::none(), net_removed(work.report)));
+    EXPECT_TRUE(
+        lower_mean_energy(work.optimizer, p, {kShapeObjective, QualityFloor::none()}, net_removed(work.report)));
     return work.report.worst_rounds.size();
   };
   EXPECT_GT(rounds(0), 0U);
   EXPECT_EQ(rounds(1'000'000), rounds(0));
+}
+
+TEST(LowerMeanEnergy, ARootIsLoweredWhereAFewTetrahedraMakeUpTheMean) {
+  const auto log2_power = [](double height) {
+    OptimizerOfMesh work(flattened(4, height));
+    return mean_objective(work.optimizer).log2_power;
+  };
+  EXPECT_EQ(log2_power(0.5), 0);
+  EXPECT_EQ(log2_power(1e-3), MeanParameters::kLog2Root);
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ Real plain_energy(const Objective& objective, const test::QuadTet& p) {
   if (!objective.shape) return eta;
   Real shape = root(eta * eta * eta / (2187 * plain_volume(p)));
   for (int i = 0; i < objective.log2_power; ++i) shape *= shape;
+  for (int i = objective.log2_power; i < 0; ++i) shape = root(shape);
   return shape;
 }
 
@@ -112,7 +113,9 @@ TEST(ShapeEnergy, OfAnyOtherTetrahedronIsLargerAndDoesNotDependOnTheUnit) {
 
 TEST(Objective, AgreesWithItsDefinitionOnTetrahedraAndSlivers) {
   std::mt19937 random(5);
-  for (const Objective& objective : kObjectives) {
+  std::vector<Objective> objectives(std::begin(kObjectives), std::end(kObjectives));
+  objectives.insert(objectives.end(), {shape_objective(-1), shape_objective(-3)});
+  for (const Objective& objective : objectives) {
     for (const double flatness : {1.0, 1e-3, 1e-7, 1e-11}) {
       int positive = 0;
       for (int i = 0; i < 300; ++i) {
@@ -183,6 +186,31 @@ TEST(Objective, GradientAndHessianAreThoseOfTheDefinition) {
       expect_derivatives<SimdRing>(objective, flatness, 8);
     }
   }
+}
+
+TEST(Objective, ARootHasTheDerivativesOfItsTangent) {
+  std::mt19937 random(17);
+  int positive = 0;
+  for (const int log2_power : {-1, -3}) {
+    const double root = std::exp2(log2_power);
+    for (int i = 0; i < 200; ++i) {
+      Vec3 p[4];
+      for (Vec3& v : p) v = random_vec(random);
+      if (!tet_energy(kShapeObjective, p[0], p[1], p[2], p[3]).certified) continue;
+      ++positive;
+      const OneFace face(p + 1);
+      const RingModel energy = face.ring<PlainRing<>>(kShapeObjective).model(p[0]);
+      const RingModel model = face.ring<PlainRing<>>(shape_objective(log2_power)).model(p[0]);
+      EXPECT_NEAR(model.value, std::pow(energy.value, root), 1e-12 * model.value);
+      const double slope = root * model.value / energy.value;
+      EXPECT_LT(norm(model.gradient - slope * energy.gradient), 1e-11 * norm(model.gradient));
+      const double trace = model.hessian.xx + model.hessian.yy + model.hessian.zz;
+      for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+        EXPECT_LT(norm(model.hessian * axis - slope * (energy.hessian * axis)), 1e-11 * trace);
+      }
+    }
+  }
+  EXPECT_GT(positive, 100);
 }
 
 TEST(Objective, BothRingsAgree) {
