@@ -14,7 +14,7 @@ namespace tetune {
 /// Improves a mesh in place: harmonic flips alternate with vertex relocation (Stroeter et al. 2022, Sect. 4.5).
 ///
 /// The result is a valid mesh (see validate()) without a smaller dihedral angle than the input's smallest, one that is
-/// larger than both the input's largest and 156.8 degrees, or a smaller mean ratio (with Effort::best, than a quarter
+/// larger than both the input's largest and 165 degrees, or a smaller mean ratio (with Effort::best, than a quarter
 /// of the input's smallest); of curved elements the smallest angle alone.
 /// - Vertices keep their tags, number and order. Where Effort::best or SurfaceVertices::edit inserts or removes some
 ///   (Report::vertex2original), those of the input come first, in their order, then the inserted ones, with the tag

@@ -66,9 +66,9 @@ TETUNE_HD TETUNE_INLINE T edge_term(const Vec3T<T> p[4], const T& w) {
 struct QualityFloor {
   /// Relative tolerance for rounding.
   static constexpr double kTolerance = 1e-12;
-  /// The cotangent of 156.8 degrees. Angles up to there are allowed in every mesh: where all are small, a limit at the
+  /// The cotangent of 165 degrees. Angles up to there are allowed in every mesh: where all are small, a limit at the
   /// largest would leave no room to enlarge the smallest.
-  static constexpr double kAllowedCot = -7.0 / 3;
+  static constexpr double kAllowedCot = -3.7320508075688776;
 
   double worst_shape = 0;              ///< largest shape energy
   double max_cot = -1;                 ///< cotangent of the smallest dihedral angle

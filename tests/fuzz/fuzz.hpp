@@ -115,7 +115,7 @@ inline void check_worst(const TetMesh& mesh, const Quality& before, const Qualit
     }
   };
   check("smallest angle", before.dihedral_min, after.dihedral_min);
-  constexpr double kAllowedAngle = 156.9;
+  constexpr double kAllowedAngle = 165;
   check("180 degrees less the largest angle", 180 - std::max(before.dihedral_max, kAllowedAngle),
         180 - after.dihedral_max);
   const double kept_part = effort == Effort::best ? 0.25 : 1;
