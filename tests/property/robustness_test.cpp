@@ -22,6 +22,7 @@ constexpr std::uint32_t kSeeds = test::kSanitized ? 8 : 40;
 
 /// Degrees: of one and the same tetrahedron with its vertices in another order.
 constexpr double kRounding = 1e-12;
+constexpr double kRoundingOfLargest = 3e-11;  // degrees: its cotangent may grow by a part of 1e-12
 
 double uniform(std::mt19937& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random()) / 4294967295.0;
@@ -152,7 +153,7 @@ TEST_P(Robustness, EveryPromiseHolds) {
     const ValidationReport valid = validate(after);
     ASSERT_TRUE(valid.ok()) << valid.message(false);
     EXPECT_GE(quality(after).dihedral_min, quality(before).dihedral_min - kRounding);
-    EXPECT_LE(quality(after).dihedral_max, std::max(quality(before).dihedral_max, 165.0) + kRounding);
+    EXPECT_LE(quality(after).dihedral_max, std::max(quality(before).dihedral_max, 165.0) + kRoundingOfLargest);
     EXPECT_LE(quality(after).shape_sum, quality(before).shape_sum * (1 + 1e-12));
     ASSERT_EQ(after.points.size(), before.points.size());
     for (std::size_t v = 0; v < frozen.size(); ++v) {
