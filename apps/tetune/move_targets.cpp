@@ -94,7 +94,18 @@ void check_count(const TetMesh& mesh, const TetMesh& source, const std::string& 
                   path, source.points.size(), mesh.points.size()));
 }
 
-bool is_nan(const Point3& p) { return std::isnan(p[0]) || std::isnan(p[1]) || std::isnan(p[2]); }
+/// Throws OptionError for a vertex with NaN in some components: it stands for no target in all three only.
+void check_nan(const VertexTargets& target, const std::string& path, const MoveArguments& a) {
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    const auto count = std::count_if(target[v].begin(), target[v].end(), [](double x) { return std::isnan(x); });
+    if (count == 0 || count == 3) continue;
+    const std::string option = a.displacement.empty() ? "--to" : fmt::format("--displacement \"{}\"", a.displacement);
+    throw OptionError(fmt::format(
+        "{}: vertex {} of {} has NaN in {} of its three components; a vertex that follows the others has it "
+        "in all three",
+        option, v, path, count));
+  }
+}
 
 }  // namespace
 
@@ -114,9 +125,7 @@ void check_move_arguments(const MoveArguments& a, bool has_series) {
 
 VertexTargets target_of(const TetMesh& mesh, const TetMesh& source, const std::string& path, const MoveArguments& a) {
   VertexTargets target = a.displacement.empty() ? source.points : displaced(mesh, source, path, a.displacement);
-  for (Point3& p : target) {
-    if (is_nan(p)) p = {NAN, NAN, NAN};
-  }
+  check_nan(target, path, a);
   if (a.all_vertices) return target;
   return surface_targets(mesh, target, find_patches("--patches", a.patches, "the input", mesh));
 }

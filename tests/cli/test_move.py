@@ -91,6 +91,12 @@ class Moves(CliTest):
         self.assertAlmostEqual(sum(after.volumes()), 0.6)
 
     @needs_vtk
+    def test_displacement_with_nan_in_one_component(self):
+        shifted = [(0.0, math.nan if i == 7 else 0.0, 0.0) for i in range(len(self.mesh.points))]
+        self.refused("move", self.source, "-o", self.path("out.mesh"), "--to", self.vtk("to.vtk", shifted), "--displacement", "u",
+                     said=['--displacement "u": vertex 7 of', "NaN in 1 of its three components"])
+
+    @needs_vtk
     def test_displacement_of_the_input(self):
         self.source = self.vtk("in.vtk", [(0.0, 0.25 * p[1], 0.0) for p in self.mesh.points])
         self.run_cli("move", self.source, "-o", self.path("out.mesh"), "--displacement", "u", "--quiet")
