@@ -124,6 +124,10 @@ class SeriesRun {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       const std::string name = step_name(job_.output, i);
       std::error_code error;
+      if (!fs::exists(path_of(steps_[i].path), error)) {
+        throw OptionError(fmt::format("{}: there is no file {}, the mesh of time {}; remove the time, or make the file",
+                                      job_.input, steps_[i].path, steps_[i].time));
+      }
       if (!fs::exists(path_of(name), error)) continue;
       if (!a_.replaces) {
         throw OptionError(fmt::format("{0}: the mesh of a time would replace {1}, which exists; replace it with -o {0}",

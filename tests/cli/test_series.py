@@ -128,9 +128,10 @@ class Series(CliTest):
     def test_a_time_that_fails(self):
         self.vtk("a.vtk", self.mesh.points)
         self.vtk("b.vtk", self.stretched(1.1))
-        series = self.series([(0, "a.vtk"), (1, "b.vtk"), (2, "none.vtk")])
+        Path(self.path("damaged.vtk")).write_bytes(b"# vtk DataFile Version 3.0")
+        series = self.series([(0, "a.vtk"), (1, "b.vtk"), (2, "damaged.vtk")])
         done = self.run_cli("move", series, "-o", self.path("out.pvd"), "--report", self.path("r.json"), code=1)
-        self.assertIn("none.vtk", done.stderr)
+        self.assertIn("damaged.vtk", done.stderr)
         self.points("out_0001.vtu")
         self.assertEqual([entry["time"] for entry in json.loads(self.read_bytes("r.json"))["times"]], [0, 1])
 
@@ -241,11 +242,14 @@ class Series(CliTest):
         self.vtk("other.vtk", self.mesh.points, tets)
         self.vtk("less.vtk", self.mesh.points, self.mesh.tets[1:])
         out = self.path("out.pvd")
-        for file, said in (("other.vtk", "tetrahedron 1 has other vertices"), ("less.vtk", "the same mesh"), ("no.vtk", "no.vtk")):
+        for file, said in (("other.vtk", "tetrahedron 1 has other vertices"), ("less.vtk", "the same mesh")):
             done = self.run_cli("move", self.series([(0, "a.vtk"), (1, file)]), "-o", out, code=1)
             self.assertIn(said, done.stderr)
             self.points("out_0000.vtu")
         self.refused("move", self.series([(0, "a.vtk"), (0, "a.vtk")]), "-o", out, said=["several files"])
+        self.refused("move", self.series([(0, "a.vtk"), (1, "no.vtk")]), "-o", self.path("new.pvd"),
+                     said=["there is no file", "no.vtk, the mesh of time 1;"])
+        self.assertFalse(os.path.exists(self.path("new_0000.vtu")))
         os.rename(self.path("a.vtk"), self.path("out_0000.vtu"))
         self.refused("move", self.series([(0, "out_0000.vtu")]), "-o", out, said=["would be overwritten"])
 
