@@ -64,7 +64,7 @@ struct AlternationParameters {
 
 /// lower_mean_energy(): rounds of inserted and removed vertices.
 struct MeanParameters {
-  /// Above this mean energy the mean of the energy to the power 2^log2_root takes its place (mean_objective()).
+  /// Above this mean energy the mean of the energy to the power 2^kLog2Root takes its place (mean_objective()).
   static constexpr double kMaxMean = 20;
   static constexpr int kLog2Root = -3;
   /// 0: the phase is left out.
