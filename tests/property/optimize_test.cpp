@@ -57,7 +57,7 @@ TetMesh with_thin_layer(int n, double jitter) {
 }
 
 TEST(Optimize, ElementsThatCannotImproveDoNotSpoilTheOthers) {
-  const TetMesh before = with_thin_layer(8, 0.25);
+  const TetMesh before = with_thin_layer(6, 0.25);
   const Quality input = quality(before);
   TetMesh standard = before;
   optimize(standard);

@@ -195,7 +195,7 @@ TEST(Curved, WithoutSweepsAndFlipsNothingMoves) {
 }
 
 TEST(Curved, VerticesThatSlideDoNotHoldElements) {
-  TetMesh m = test::ball(4, 0.15);
+  TetMesh m = test::ball(3, 0.15);
   curve(m);
   Options options;
   options.boundary = Boundary::slide;
@@ -212,7 +212,7 @@ TEST(Curved, VerticesThatSlideDoNotHoldElements) {
 
 TEST(Curved, TargetsAreThoseOfTheResult) {
   for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
-    TetMesh m = test::ball(4, 0.15);
+    TetMesh m = test::ball(3, 0.15);
     curve(m);
     Options options;
     options.boundary = boundary;
