@@ -160,26 +160,26 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options) {
   return held;
 }
 
-CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& tets,
+CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& locked_tets,
                                const CurvedSlide* slide)
-    : mesh(whole), whole_(whole), held_(held), slide_(slide) {
+    : mesh(whole), whole_(whole), slide_(slide) {
   mesh.curved_edges.clear();
-  keep_edges(tets);
+  keep_edges(held, locked_tets);
   require_triangles();
   if (slide_ != nullptr) slide_->constrain(mesh);
-  mesh.required_tets.insert(mesh.required_tets.end(), tets.begin(), tets.end());
+  mesh.required_tets.insert(mesh.required_tets.end(), locked_tets.begin(), locked_tets.end());
   sort_unique(mesh.required_tets);
 }
 
-void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
+void CurvedSkeleton::keep_edges(const HeldNodes& held, const std::vector<Index>& locked_tets) {
   std::set<Edge> locked;
-  for (const Index t : tets) {
+  for (const Index t : locked_tets) {
     const auto& tet = span_of(whole_.tets)[t];
     for (const auto& [i, j] : kCurvedTetEdges) locked.insert(ascending(tet[i], tet[j]));
   }
   for (const CurvedEdge& edge : whole_.curved_edges) {
     const auto& [a, b] = edge.vertices;
-    const bool is_held = held_.has_edge(a, b);
+    const bool is_held = held.has_edge(a, b);
     const bool may_move = slide_ != nullptr && slide_->has_edge(edge.vertices);
     if (locked.contains(edge.vertices) || (is_held && !may_move && !is_straight(whole_, edge, kStraightEdge))) {
       kept_.push_back(edge);
