@@ -19,7 +19,7 @@ inline constexpr std::size_t kAutoTets = 500000;
 
 /// The properties of the system that the CUDA runtime reports.
 struct CudaSystem {
-  int driver = 0;     ///< newest CUDA version that the driver knows, as 1000 major + 10 minor; 0: no driver
+  int driver = 0;     ///< newest CUDA version that the driver supports, as 1000 major + 10 minor; 0: no driver
   int runtime = 0;    ///< CUDA version of this build, in the same notation
   std::string error;  ///< empty: none
   int devices = 0;

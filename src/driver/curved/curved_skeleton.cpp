@@ -34,7 +34,8 @@ using Edge = std::array<Index, 2>;
 
 constexpr std::array<std::array<std::size_t, 2>, 3> kSides{{{0, 1}, {1, 2}, {2, 0}}};
 
-/// Calls f(vertices) for each face of the boundary and between regions, and for each tagged listed triangle.
+/// Calls f(vertices) for each face of the boundary and between regions, and for each listed triangle that is tagged or
+/// required.
 template <class F>
 void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
   for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) { f(face.vertices); });
@@ -44,13 +45,13 @@ void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
   for (const Index i : mesh.required_triangles) f(span_of(mesh.triangles)[i]);
 }
 
-/// The entries of `list` of the result whose original is one of `originals`.
+/// The entries of a list of the result, of `entries` in all, whose original is one of `originals`.
 std::vector<Index> with_original(const std::vector<Index>& originals, const std::vector<Index>& new2original,
                                  std::size_t entries) {
-  const std::set<Index> wanted(originals.begin(), originals.end());
+  const std::set<Index> sought(originals.begin(), originals.end());
   std::vector<Index> result;
   for (Index i = 0; i < Index(entries); ++i) {
-    if (wanted.contains(original_of(new2original, i))) result.push_back(i);
+    if (sought.contains(original_of(new2original, i))) result.push_back(i);
   }
   return result;
 }

@@ -70,7 +70,7 @@ bool are_same(const QuadraticSheet::Triangle& a, const QuadraticSheet::Triangle&
          std::equal(a.offsets.begin(), a.offsets.end(), b.offsets.begin(), same);
 }
 
-/// The triangles of one surface that the other does not have in all bits.
+/// The triangles of either of two surfaces that the other does not have bit for bit.
 struct ChangedTriangles {
   std::vector<Triangle> before, after;
 

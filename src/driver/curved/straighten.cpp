@@ -17,7 +17,7 @@ namespace {
 
 using Edge = SurfaceCurvature::Edge;
 
-/// The number of bisections of the part of the curvature, which is known up to 1/64 then.
+/// The number of bisections that find the part of the curvature to keep, to within 1/64.
 constexpr int kBisections = 6;
 /// The number of rounds that bisect; in later ones elements become straight.
 constexpr int kBisectedRounds = 3;
