@@ -12,6 +12,7 @@
 #include "driver/limit_growth.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/extend_report.hpp"
+#include "driver/report/run_warnings.hpp"
 #include "driver/report/targets.hpp"
 #include "driver/report/unchanged.hpp"
 #include "mesh/id_maps.hpp"
@@ -153,13 +154,13 @@ class CriteriaRun {
     find_least_mean_ratio(mesh, mesh);
     make_rounds(mesh);
     if (!has_kept_round()) return;
-    Report& done = report_.optimization;
-    const std::string unchanged = std::exchange(done.unchanged, "");
+    report_.optimization.unchanged.clear();
     report_.undone =
         "only tetrahedra that miss a limit, and those around them, were changed: optimized as a whole, the "
         "mesh would meet criteria less well than before (" +
         losses + ")";
-    std::replace(done.warnings.begin(), done.warnings.end(), unchanged, report_.undone);
+    // Vertices have moved since the report of the kept input.
+    RunWarnings(mesh, options_).add_to(report_.optimization, {report_.undone});
   }
 
   bool has_kept_round() const {
