@@ -38,8 +38,8 @@ struct Gpu {
 /// Returns the reason why the GPU cannot run with `memory` bytes of buffers; empty if it can.
 std::string why_unusable(const Gpu& gpu, std::size_t memory);
 
-/// optimize() or, with a job, move() on one backend. `surface`: the surface to slide on, whose points of contact are
-/// updated; null: the surface of the mesh.
+/// optimize() or, with a job, move() on one backend. `surface`: the surface to slide on, with the places of the
+/// vertices, which are updated; null: the surface of the mesh.
 template <class Backend>
 Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options, const Context& context,
                    SlideSurface* surface = nullptr, MoveJob* job = nullptr);
