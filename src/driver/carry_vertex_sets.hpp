@@ -11,8 +11,8 @@ namespace tetune {
 
 /// Carries sets of nodes and tags of vertices to the result of a run. An inserted vertex is in the sets of nodes that
 /// all vertices of the edge, triangle or tetrahedron of the input on which it lies are in, and has the tag that all of
-/// them have. Where it is inside the mesh and these are all on the surface, as between two sides of a thin part, they
-/// include vertices inside that share a tetrahedron with them: a set of the nodes of the surface does not get it.
+/// them have. If it is inside the mesh while these are all on the surface, as between two sides of a thin part, inner
+/// vertices that share a tetrahedron with them count too, so that no set of surface nodes gets an inner vertex.
 ///
 /// Sets the sets of nodes in `point_data`, the data of the result, in the order of those of the input `mesh`. Returns
 /// the tags of the inserted vertices, in increasing order of their ids. `new2original` and `places` are those of the

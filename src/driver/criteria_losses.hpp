@@ -7,9 +7,9 @@
 
 namespace tetune {
 
-/// Says what criteria lose from one mesh to another, which has the same criteria; empty if nothing. A better verdict on
-/// the mesh is no loss; else a criterion loses with a worse verdict, or more failing elements, and all of them where as
-/// many fail, and more warn.
+/// Returns a text on what is lost from one mesh to another by the same criteria; empty if nothing. With a better
+/// verdict on the mesh nothing is lost. Else a criterion loses if its verdict is worse or more elements fail. If none
+/// does, and as many elements fail in all, a larger number of elements that warn is a loss.
 std::string losses_in(const AcceptanceReport& before, const AcceptanceReport& after);
 
 }  // namespace tetune

@@ -19,7 +19,7 @@ inline constexpr std::size_t kAutoTets = 500000;
 
 /// The properties of the system that the CUDA runtime reports.
 struct CudaSystem {
-  int driver = 0;     ///< newest CUDA version that the driver knows, as 1000 major + 10 minor; 0: no driver
+  int driver = 0;     ///< newest CUDA version that the driver supports, as 1000 major + 10 minor; 0: no driver
   int runtime = 0;    ///< CUDA version of this build, in the same notation
   std::string error;  ///< empty: none
   int devices = 0;
@@ -38,8 +38,8 @@ struct Gpu {
 /// Returns the reason why the GPU cannot run with `memory` bytes of buffers; empty if it can.
 std::string why_unusable(const Gpu& gpu, std::size_t memory);
 
-/// optimize() or, with a job, move() on one backend. `surface`: the surface to slide on, whose points of contact are
-/// updated; null: the surface of the mesh.
+/// optimize() or, with a job, move() on one backend. `surface`: the surface to slide on, with the places of the
+/// vertices, which are updated; null: the surface of the mesh.
 template <class Backend>
 Report optimize_on(const Backend& backend, TetMesh& mesh, const Options& options, const Context& context,
                    SlideSurface* surface = nullptr, MoveJob* job = nullptr);

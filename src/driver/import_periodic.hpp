@@ -23,7 +23,8 @@ inline bool moves_periodic(const TetMesh& mesh, const Options& options) {
 
 namespace import_periodic_detail {
 
-/// Where each vertex may go if periodic links do not count: within planes and along lines, even with Boundary::slide.
+/// Where each vertex may go without regard to periodic links: within planes and along lines, even with
+/// Boundary::slide.
 template <class Backend>
 std::vector<MotionSpace> spaces_without_links(const Backend& backend, WorkMesh<Backend>& mesh,
                                               const DofInput<Backend>& input,

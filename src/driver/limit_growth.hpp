@@ -15,7 +15,7 @@ inline double growth_up_to(double max_tets, const TetMesh& mesh) {
 }
 
 /// Lowers Options::max_growth for one of several runs that may make at most `max_tets` tetrahedra in all. Where it has
-/// no effect it stays: another value would be a warning of an option that the caller did not set.
+/// no effect it stays: another value would cause a warning about an option that the caller did not set.
 inline void limit_growth(Options& options, double max_tets, const TetMesh& mesh) {
   if (mesh.tets.empty() || why_ineffective(*find_option("max_growth"), options) != nullptr) return;
   options.max_growth = std::min(options.max_growth, growth_up_to(max_tets, mesh));

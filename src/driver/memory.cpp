@@ -19,7 +19,7 @@ std::size_t bytes_of(const std::vector<DataArray>& data) {
   return bytes;
 }
 
-/// The joint rings of linked vertices, and what finds them. A vertex of a face has a ring of about ten faces.
+/// The joint rings of linked vertices, and the arrays that find them. A vertex of a face has a ring of about ten faces.
 std::size_t periodic_bytes(const TetMesh& mesh) {
   std::size_t pairs = 0;
   for (const PeriodicLink& link : mesh.periodic) pairs += link.pairs.size();
@@ -59,7 +59,7 @@ std::size_t transfer_bytes(const TetMesh& mesh, const Options& options) {
   return (overlaps + 48 * projected_components(mesh)) * mesh.tets.size();
 }
 
-/// The copies of a curved mesh, and what its relaxation and the sheets of its surface take.
+/// The copies of a curved mesh, and the arrays of its relaxation and of the sheets of its surface.
 std::size_t curved_bytes(const TetMesh& mesh, const Options& options) {
   if (mesh.curved_edges.empty()) return 0;
   return options.boundary == Boundary::slide ? 160 * mesh.tets.size() + 520 * mesh.curved_edges.size()

@@ -2,6 +2,7 @@
 #include "tetune/move.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 
 #include "boundary/constraints.hpp"
@@ -51,7 +52,7 @@ std::vector<std::uint8_t> find_motion(const TetMesh& mesh, std::span<const Verte
   return motion;
 }
 
-/// A power of two for coordinates of all targets: as of unit_scale().
+/// The scale for the coordinates of all targets, a power of two: see unit_scale().
 double scale_of(std::span<const VertexTargets> targets) {
   std::vector<Point3> given;
   double scale = kInfinity;

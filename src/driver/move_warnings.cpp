@@ -57,7 +57,7 @@ std::int8_t sign_of(const TetMesh& mesh, const ElementBlock& block, Index elemen
   return static_cast<std::int8_t>(common);
 }
 
-/// Takes out the elements that have the same sign at all corners as before.
+/// Removes the elements that have the same sign at all corners as before.
 void keep_inverted(const TetMesh& result, InvertedOthers& others, const std::vector<std::int8_t>& signs) {
   const ElementBlock& block = result.others[others.block];
   std::size_t kept = 0;

@@ -11,13 +11,14 @@
 
 namespace tetune {
 
-/// The number of vertices that the options freeze and that move; `moves`: 1 per vertex that does.
+/// The number of vertices that the options freeze although a target moves them; `moves`: 1 per vertex that moves.
 std::int64_t count_frozen_moved(const TetMesh& mesh, const Options& options, const std::vector<std::uint8_t>& moves);
 
-/// The warning on them.
+/// The warning about frozen vertices that move.
 std::string frozen_text(std::int64_t frozen_moved);
 
-/// The warnings of a motion of the whole mesh. Memory is allocated before the mesh changes only.
+/// The warnings of a motion of the whole mesh. The constructor, which is called before the mesh changes, allocates the
+/// memory of all of them.
 class MoveWarnings {
  public:
   /// `moves`: 1 per vertex that a target moves.

@@ -30,7 +30,7 @@ auto improve_with(PlaceTracker* tracker) {
   };
 }
 
-/// Takes the triangles that leave the reference surface out of it.
+/// Removes the triangles that `motion` moves from the reference surface.
 template <class Backend>
 void cut_reference(const Backend& backend, const std::vector<std::uint8_t>& motion, WorkingSet<Backend>& work) {
   std::vector<std::uint8_t> by_work;
@@ -65,8 +65,8 @@ void follow_all(Optimizer<Backend>& optimizer, MoveJob& job, PlaceTracker* track
                   job.report);
 }
 
-/// Runs the phases in order, until one is cancelled. Returns the places of the vertices unless DataTransfer::carry.
-/// Untangling is no motion through the input, as an inverted mesh has no places.
+/// Runs the phases in order, until one is cancelled. Returns the tracker of the vertices; null with
+/// DataTransfer::carry. Untangling is no motion through the input, as an inverted mesh has no places.
 template <class Backend>
 std::unique_ptr<PlaceTracker> run_phases(Optimizer<Backend>& optimizer, MoveJob* job) {
   const DataTransfer data = optimizer.options.data;

@@ -12,6 +12,7 @@
 #include "driver/limit_growth.hpp"
 #include "driver/parts/optimize_active.hpp"
 #include "driver/report/extend_report.hpp"
+#include "driver/report/run_warnings.hpp"
 #include "driver/report/targets.hpp"
 #include "driver/report/unchanged.hpp"
 #include "mesh/id_maps.hpp"
@@ -33,7 +34,7 @@ constexpr int kMaxTargetRounds = 4;
 constexpr std::ptrdiff_t kLarge = 50'000;
 /// The relative error of a smallest mean ratio.
 constexpr double kRounding = 1e-9;
-/// The parts of the progress that the first run is, and the rounds on its result or those on the input.
+/// The parts of the progress of the first run, and of the rounds on its result or on the input.
 constexpr double kFirstRun = 0.75;
 constexpr double kRounds = (1 - kFirstRun) / 2;
 
@@ -53,7 +54,7 @@ struct Misses {
   auto operator<=>(const Misses&) const = default;
 };
 
-/// Of criteria that fail, or, with Verdict::warn, of those that warn or fail.
+/// The misses of the criteria that fail; with Verdict::warn, of those that warn or fail.
 Misses misses_of(const AcceptanceReport& report, Verdict level) {
   Misses misses;
   for (const CriterionResult& r : report.results) {
@@ -133,7 +134,7 @@ class CriteriaRun {
                                  quality(mesh, options_.threads).mean_ratio_min);
   }
 
-  /// Undoes the run where the objective lowers measures of criteria, with what these would lose.
+  /// Undoes the run, whose objective has lowered measures of criteria; `losses` names what these would lose.
   void keep_input(const TetMesh& input, TetMesh& mesh, const std::string& losses) {
     mesh = input;
     discard_result(mesh, options_, "the mesh is as before: criteria would be met less well afterwards (" + losses + ")",
@@ -153,20 +154,20 @@ class CriteriaRun {
     find_least_mean_ratio(mesh, mesh);
     make_rounds(mesh);
     if (!has_kept_round()) return;
-    Report& done = report_.optimization;
-    const std::string unchanged = std::exchange(done.unchanged, "");
+    report_.optimization.unchanged.clear();
     report_.undone =
         "only tetrahedra that miss a limit, and those around them, were changed: optimized as a whole, the "
         "mesh would meet criteria less well than before (" +
         losses + ")";
-    std::replace(done.warnings.begin(), done.warnings.end(), unchanged, report_.undone);
+    // Vertices have moved since the report of the kept input.
+    RunWarnings(mesh, options_).add_to(report_.optimization, {report_.undone});
   }
 
   bool has_kept_round() const {
     return std::any_of(report_.rounds.begin(), report_.rounds.end(), [](const CriteriaRound& r) { return r.kept; });
   }
 
-  /// The caller's options for the vertices of a mesh between.
+  /// The caller's options for the vertices of an intermediate mesh.
   Options current_options() const { return options_for_result(options_, report_.optimization.vertex2original); }
 
   Options round_options(const TetMesh& mesh) const {
@@ -176,7 +177,7 @@ class CriteriaRun {
     const bool inserts = options_.effort == Effort::best || options_.surface_vertices == SurfaceVertices::edit;
     options.keep_vertices = options_.keep_vertices || !inserts || double(mesh.tets.size()) >= max_tets_;
     if (options.keep_vertices) options.surface_vertices = SurfaceVertices::automatic;
-    // The part of the round is at most the mesh.
+    // Growth is relative to the part of the round, which is at most the mesh.
     if (!options.keep_vertices) options.max_growth = growth_up_to(max_tets_, mesh);
     options.effort = Effort::best;
     options.restarts = 0;  // they would enlarge angles at the expense of other measures
@@ -289,7 +290,7 @@ class CriteriaRun {
   Verdict level_ = Verdict::fail;  ///< of the criteria that rounds work on
   double progress_ = kFirstRun;    ///< before the rounds
   double max_tets_ = 0;
-  double least_mean_ratio_ = 0;  ///< of the result
+  double least_mean_ratio_ = 0;  ///< a round whose smallest mean ratio is below it is undone
   bool is_input_kept_ = false;
 };
 

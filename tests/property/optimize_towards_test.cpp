@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -139,12 +140,15 @@ TEST(OptimizeTowards, WhereTheWholeGetsWorseOnlyWhatFailsIsOptimized) {
   for (const Point3& p : block.points) mesh.points.push_back({p[0] + 2, p[1], p[2]});
   for (const auto& t : block.tets) mesh.tets.push_back({first + t[0], first + t[1], first + t[2], first + t[3]});
   mesh = test::with_tags(std::move(mesh));
+  mesh.point_data.push_back({"field", 1, std::vector<double>(mesh.points.size(), 1.0)});
   const CriteriaReport report = optimize_towards(mesh, criteria);
   EXPECT_EQ(report.before.verdict, Verdict::fail);
   EXPECT_EQ(report.after.verdict, Verdict::pass);
   EXPECT_NE(report.undone, "");
   EXPECT_EQ(report.optimization.unchanged, "");
-  EXPECT_EQ(report.optimization.warnings, std::vector{report.undone});
+  EXPECT_EQ(report.optimization.moved_fields, std::vector<std::string>{"field"});
+  ASSERT_EQ(report.optimization.warnings.size(), 2U);
+  EXPECT_EQ(report.optimization.warnings[1], report.undone);
   EXPECT_EQ(check(mesh, criteria).verdict, Verdict::pass);
   EXPECT_TRUE(validate(mesh).ok());
   EXPECT_TRUE(std::equal(layer.begin(), layer.end(), mesh.points.begin()));

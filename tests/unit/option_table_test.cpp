@@ -68,6 +68,7 @@ TEST(OptionTable, TextSetsEveryOption) {
                                    {"flips", "yes"},
                                    {"feature_angle", "30 deg"},
                                    {"frozen_regions", "1;20"},
+                                   {"frozen_regions", "1,"},
                                    {"targets", "mean_ratio"},
                                    {"targets", "mean:0.2"},
                                    {"max_ring", ""},

@@ -71,12 +71,13 @@ class CurveRun {
     SurfaceCurvature surface(mesh_.curved_edges);
     const std::vector<Point3> before = mesh_.points;
     for (int round = 0;; ++round) {
-      const std::vector<CurvedTet> tets = measure();
+      std::vector<CurvedTet> tets = measure();
       if (round == 0) report.not_valid_before = std::ssize(not_valid(tets));
       if (round % kRelaxEvery == 0 && round <= kPartialRounds) {
         relax_curved(mesh_, held_, not_valid_or_below(tets, kRelaxCurvedBelow), goal_);
+        tets = measure();
       }
-      const std::vector<Index> bad = not_valid(measure());
+      const std::vector<Index> bad = not_valid(tets);
       if (bad.empty()) break;
       surface.reduce(mesh_, held_, bad, round < kPartialRounds ? kKept : 0);
     }
@@ -123,7 +124,7 @@ CurveReport curve(TetMesh& mesh, const CurveOptions& options) {
     throw OptionError("feature_angle is " + number_text(options.feature_angle) + "; it must be in (0, 180]");
   }
   if (options.threads < 0 || options.threads > 4096) {
-    throw OptionError("threads is " + std::to_string(options.threads) + "; it must be in 0 to 4096");
+    throw OptionError("threads is " + std::to_string(options.threads) + "; it must be from 0 to 4096");
   }
   if (options.surface != nullptr && options.geometry != nullptr) {
     throw OptionError("surface and geometry exclude each other: the mid-side nodes are on one of them");

@@ -34,7 +34,8 @@ using Edge = std::array<Index, 2>;
 
 constexpr std::array<std::array<std::size_t, 2>, 3> kSides{{{0, 1}, {1, 2}, {2, 0}}};
 
-/// Calls f(vertices) for each face of the boundary and between regions, and for each tagged listed triangle.
+/// Calls f(vertices) for each face of the boundary and between regions, and for each listed triangle that is tagged or
+/// required.
 template <class F>
 void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
   for_each_surface_face(mesh, 1, [&](const SortedHalfFace& face, bool) { f(face.vertices); });
@@ -44,13 +45,13 @@ void for_each_surface_triangle(const TetMesh& mesh, const F& f) {
   for (const Index i : mesh.required_triangles) f(span_of(mesh.triangles)[i]);
 }
 
-/// The entries of `list` of the result whose original is one of `originals`.
+/// The entries of a list of the result, of `entries` in all, whose original is one of `originals`.
 std::vector<Index> with_original(const std::vector<Index>& originals, const std::vector<Index>& new2original,
                                  std::size_t entries) {
-  const std::set<Index> wanted(originals.begin(), originals.end());
+  const std::set<Index> sought(originals.begin(), originals.end());
   std::vector<Index> result;
   for (Index i = 0; i < Index(entries); ++i) {
-    if (wanted.contains(original_of(new2original, i))) result.push_back(i);
+    if (sought.contains(original_of(new2original, i))) result.push_back(i);
   }
   return result;
 }
@@ -160,26 +161,26 @@ HeldNodes find_held(const TetMesh& mesh, const Options& options) {
   return held;
 }
 
-CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& tets,
+CurvedSkeleton::CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& locked_tets,
                                const CurvedSlide* slide)
-    : mesh(whole), whole_(whole), held_(held), slide_(slide) {
+    : mesh(whole), whole_(whole), slide_(slide) {
   mesh.curved_edges.clear();
-  keep_edges(tets);
+  keep_edges(held, locked_tets);
   require_triangles();
   if (slide_ != nullptr) slide_->constrain(mesh);
-  mesh.required_tets.insert(mesh.required_tets.end(), tets.begin(), tets.end());
+  mesh.required_tets.insert(mesh.required_tets.end(), locked_tets.begin(), locked_tets.end());
   sort_unique(mesh.required_tets);
 }
 
-void CurvedSkeleton::keep_edges(const std::vector<Index>& tets) {
+void CurvedSkeleton::keep_edges(const HeldNodes& held, const std::vector<Index>& locked_tets) {
   std::set<Edge> locked;
-  for (const Index t : tets) {
+  for (const Index t : locked_tets) {
     const auto& tet = span_of(whole_.tets)[t];
     for (const auto& [i, j] : kCurvedTetEdges) locked.insert(ascending(tet[i], tet[j]));
   }
   for (const CurvedEdge& edge : whole_.curved_edges) {
     const auto& [a, b] = edge.vertices;
-    const bool is_held = held_.has_edge(a, b);
+    const bool is_held = held.has_edge(a, b);
     const bool may_move = slide_ != nullptr && slide_->has_edge(edge.vertices);
     if (locked.contains(edge.vertices) || (is_held && !may_move && !is_straight(whole_, edge, kStraightEdge))) {
       kept_.push_back(edge);

@@ -32,8 +32,8 @@ void lock_around(const TetMesh& mesh, std::vector<std::uint8_t> is_marked, int r
 /// edge are required, unless they slide, as are listed edges that are curved, and the tetrahedra that are locked.
 class CurvedSkeleton {
  public:
-  /// `whole` is a valid mesh with curved edges; it is referred to, as is `slide`, which is null where the surface
-  /// stays.
+  /// `whole` is a valid mesh with curved edges. It must outlive the skeleton, as must `slide`, which is null where the
+  /// surface stays.
   CurvedSkeleton(const TetMesh& whole, const HeldNodes& held, const std::vector<Index>& locked_tets,
                  const CurvedSlide* slide = nullptr);
 
@@ -46,14 +46,13 @@ class CurvedSkeleton {
 
  private:
   void require_triangles();
-  void keep_edges(const std::vector<Index>& locked_tets);
+  void keep_edges(const HeldNodes& held, const std::vector<Index>& locked_tets);
   void restore_triangles(Report& report);
   void restore_edges(Report& report);
   void restore_lists(const Report& report);
   void restore_curved_edges(const Report& report);
 
   const TetMesh& whole_;
-  const HeldNodes& held_;
   const CurvedSlide* slide_;
   std::vector<CurvedEdge> kept_;  ///< curved edges that stay edges
   /// Curved edges of the surface that slides, or straight up to rounding: they are kept where both ends stay.

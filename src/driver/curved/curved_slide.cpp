@@ -36,7 +36,7 @@ Vec3 at(const TetMesh& mesh, Index v) { return vec(span_of(mesh.points)[v]); }
 Vec3 direction_at_middle(const TetMesh& mesh, const CurvedEdges& edges, const Edge& edge,
                          const std::array<Index, 3>& triangle) {
   const auto [a, b] = edge;
-  const Index c = triangle[0] ^ triangle[1] ^ triangle[2] ^ a ^ b;
+  const Index c = triangle[0] ^ triangle[1] ^ triangle[2] ^ a ^ b;  // the vertex that is not on the edge
   const Vec3 along = at(mesh, b) - at(mesh, a);
   const Vec3 inward = 2 * (edges.middle(a, c) + edges.middle(b, c) - edges.middle(a, b)) -
                       0.5 * (at(mesh, a) + at(mesh, b)) - at(mesh, c);
@@ -70,7 +70,7 @@ bool are_same(const QuadraticSheet::Triangle& a, const QuadraticSheet::Triangle&
          std::equal(a.offsets.begin(), a.offsets.end(), b.offsets.begin(), same);
 }
 
-/// The triangles of one surface that the other does not have in all bits.
+/// The triangles of either of two surfaces that the other does not have bit for bit.
 struct ChangedTriangles {
   std::vector<Triangle> before, after;
 

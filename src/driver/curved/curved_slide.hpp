@@ -41,7 +41,7 @@ struct SurfaceDeviation {
 /// the quadratic surface turns by more than the feature angle; corners are vertices at which a line of them does.
 class CurvedSlide {
  public:
-  /// `mesh` is valid and has curved edges; it is referred to.
+  /// `mesh` is valid and has curved edges. It must outlive this object.
   CurvedSlide(const TetMesh& mesh, double feature_angle);
 
   bool has_edge(const std::array<Index, 2>& edge) const;

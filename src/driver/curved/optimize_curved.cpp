@@ -93,7 +93,7 @@ class CurvedOptimizer {
   /// Without sweeps and flips mid-side nodes keep their bits too.
   bool changes_nothing() const { return options_.max_iterations == 0 && !options_.flips && !options_.untangle; }
 
-  /// Makes a report on the stages one on the input and the result.
+  /// Turns the report on the stages into one on the input and the result.
   void report_whole(const TetMesh& result, Report& report) {
     report.vertices = std::ssize(input_.points);
     report.tets_before = std::ssize(input_.tets);
@@ -208,7 +208,7 @@ class CurvedOptimizer {
     RelaxationGoal goal = goal_;
     goal.min_dihedral = 0;
     goal.only_valid = true;
-    split_hopeless(invalid);
+    split_held_invalid(invalid);
     // Without straightening, elements with a folded face are refused below, and all others that are not valid counted.
     relax_curved(base_, held_,
                  options_.straighten ? find_unfolded(base_, options_.threads) : find_invalid(base_, options_.threads),
@@ -226,7 +226,7 @@ class CurvedOptimizer {
   }
 
   /// Splits elements that their held nodes alone make invalid: relaxation of these takes long and fails.
-  void split_hopeless(const std::vector<Index>& invalid) {
+  void split_held_invalid(const std::vector<Index>& invalid) {
     const std::vector<Index> folded = with_folded_face(base_, invalid);
     for (int round = 0; round < kMaxRounds && may_insert() && !is_stopped(); ++round) {
       std::vector<Index> tets = find_bounded(base_, held_, 0);

@@ -17,11 +17,11 @@ namespace {
 
 using Edge = SurfaceCurvature::Edge;
 
-/// The number of bisections of the part of the curvature, which is known up to 1/64 then.
+/// The number of bisections that find the part of the curvature to keep, to within 1/64.
 constexpr int kBisections = 6;
 /// The number of rounds that bisect; in later ones elements become straight.
 constexpr int kBisectedRounds = 3;
-constexpr int kMaxBlendRounds = 40;
+constexpr int kMaxStraighteningRounds = 40;
 
 Point3 midpoint(const TetMesh& mesh, const Edge& edge) {
   return tetune::midpoint(span_of(mesh.points)[edge[0]], span_of(mesh.points)[edge[1]]);
@@ -67,7 +67,7 @@ class Straightener {
       : mesh_(mesh), held_(held), goal_(goal), surface_(reducible_edges(mesh, held, options)) {}
 
   std::vector<StraightenedEdge> run() {
-    for (int round = 0; round < kMaxBlendRounds; ++round) {
+    for (int round = 0; round < kMaxStraighteningRounds; ++round) {
       const std::vector<Index> bad = find_invalid(mesh_, goal_.threads);
       const std::set<Edge> edges = edges_of(mesh_, bad);
       if (std::none_of(edges.begin(), edges.end(), [this](const Edge& e) { return surface_.has(e); })) break;

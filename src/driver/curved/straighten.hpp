@@ -21,8 +21,8 @@ class SurfaceCurvature {
   double kept(const Edge& edge) const { return surface_.at(edge).kept; }
   /// Gives an edge of the surface the part `kept` of its curvature.
   void set(const TetMesh& mesh, CurvedEdge& edge, double kept);
-  /// Leaves the part `kept` of the curvature that the edges of tetrahedra on the surface have. With 0 these and the
-  /// inner edges of the tetrahedra that are not held become straight.
+  /// Multiplies the curvature of the edges on the surface of listed tetrahedra by `kept`. With 0 these edges become
+  /// straight, and so do the inner edges of the tetrahedra that are not held.
   void reduce(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, double kept);
   /// The edges that do not have all of their curvature.
   std::vector<StraightenedEdge> reduced(const TetMesh& mesh) const;

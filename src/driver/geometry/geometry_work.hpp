@@ -73,7 +73,7 @@ inline std::vector<std::uint8_t> held_by_caller(const TetMesh& mesh, const Optio
 /// Whether a vertex is on a vertex, edge or face of the model.
 inline bool has_entity(const GeometryEntity& entity) { return entity.dimension >= 0 && entity.dimension <= 2; }
 
-/// A mesh between runs, with what is known of its vertices.
+/// A mesh between runs, with the entities of the model that its vertices are on.
 struct WorkState {
   TetMesh mesh;  ///< its triangles are the whole surface, with the tags of PatchTags
   std::vector<GeometryEntity> entities;

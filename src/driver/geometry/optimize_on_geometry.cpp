@@ -89,7 +89,7 @@ class GeometryRun {
   }
 
  private:
-  /// Runs work on the geometry, whose time the report has.
+  /// Runs work on the geometry, and adds the time that it takes.
   template <class F>
   void timed(const F& work) {
     const auto start = PhaseTimer::SteadyClock::now();
@@ -208,8 +208,8 @@ class GeometryRun {
     has_run_ = true;
   }
 
-  /// Slides, returns to the geometry and improves the inside. False if the round is to be repeated with vertices held
-  /// that made elements bad.
+  /// Slides, returns to the geometry and improves the inside. Returns false if the round is to be repeated, with the
+  /// vertices of elements that became bad held.
   bool make_round() {
     const double least = smallest_dihedral(work_.mesh, options_.threads) - kAngleRounding;
     WorkState next = work_;
@@ -283,7 +283,7 @@ class GeometryRun {
     return count > 0;
   }
 
-  /// Gives the caller the result with triangles as they were listed.
+  /// Replaces the caller's mesh by the result, with those of its triangles that the caller listed.
   void store(TetMesh& input) {
     judge_targets();
     match_result();
@@ -305,13 +305,13 @@ class GeometryRun {
     mesh.triangle_data = take_entries(input.triangle_data, new2input);
     total.triangles_dropped = std::ssize(input.triangles) - std::ssize(mesh.triangles);
     total.triangle2original = unless_all(std::move(new2input), input.triangles.size());
-    // Projections change the energy as well as the runs, which the total has.
+    // The total has the changes of the energy by runs, but not those by projections.
     const Quality measured = quality(mesh, options_.threads);
     total.energy_after = options_.energy == Energy::harmonic ? measured.eta_sum : measured.shape_sum;
     input = std::move(mesh);
   }
 
-  /// The last run has a fixed surface, where the vertices of the result may slide.
+  /// Judges Options::targets as if the surface slid: it is fixed in the last run alone.
   void judge_targets() {
     if (options_.targets.empty()) return;
     Report& total = report_.optimization;

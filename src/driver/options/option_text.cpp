@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <charconv>
 #include <system_error>
 #include <type_traits>
@@ -55,12 +54,12 @@ std::string form_of() {
 template <class Item>
 std::vector<Item> parse_list(const OptionInfo& option, std::string_view text) {
   std::vector<Item> list;
-  while (!text.empty()) {
-    const std::string_view part = text.substr(0, text.find(','));
+  for (std::size_t begin = 0; !text.empty() && begin <= text.size();) {
+    const std::string_view part = text.substr(begin, text.find(',', begin) - begin);
     Item item{};
     if (!parse_item(part, item)) refuse(option, part, form_of<Item>());
     list.push_back(item);
-    text.remove_prefix(std::min(part.size() + 1, text.size()));
+    begin += part.size() + 1;
   }
   return list;
 }

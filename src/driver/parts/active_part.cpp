@@ -84,8 +84,8 @@ class PartTaker {
     }
   }
 
-  /// Translates a listed entity. Returns false unless all its vertices are in the part; those that are do not move
-  /// then, because the entity is none of the mesh.
+  /// Translates a listed entity. Returns false unless all its vertices are in the part; those that are get frozen then.
+  /// They are on the cut, or the entity is no face or edge of the mesh.
   template <std::size_t N>
   bool translate(std::array<Index, N>& entity) {
     const auto is_outside = [this](Index v) { return to_part(v) < 0; };

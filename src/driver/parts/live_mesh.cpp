@@ -23,6 +23,7 @@
 #include "tetune/option_table.hpp"
 
 namespace tetune {
+
 LiveMesh::LiveMesh(TetMesh mesh, Options options, int neighborhood)
     : mesh_(std::move(mesh)),
       options_(std::move(options)),

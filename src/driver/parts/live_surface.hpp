@@ -10,8 +10,8 @@
 /// The surface that the vertices of a live mesh slide on, from call to call.
 namespace tetune {
 
-/// Takes the triangles all of whose vertices are prescribed, and some of which have left their initial position or are
-/// to, out of the surface, and vertices that move off it. `moves`: 1 per vertex that is not at its target.
+/// Cuts a triangle off the surface if all of its vertices are prescribed and the target of one is not its initial
+/// position. Vertices that move leave the surface. `moves`: 1 per vertex that is not at its target.
 void leave_surface(SlideSurface& surface, const VertexTargets& target, const std::vector<std::uint8_t>& moves);
 
 /// Makes the surface that of a result, `vertex2original` as of Report: all vertices of the surface are in it.

@@ -54,8 +54,9 @@ struct Run {
   PhaseTimer::SteadyClock::time_point start = PhaseTimer::SteadyClock::now();
 };
 
-/// The hooks of a run in the place of one that has removed vertices, after its flips and sweeps had converged: a stop
-/// takes effect after that, as nothing would be left of the first run's work otherwise, nor a mesh be untangled.
+/// The hooks of a run that repeats one whose result is discarded because it lacks vertices. As the first run removed
+/// these after its flips and sweeps, a stop takes effect only after those of the second: otherwise nothing would be
+/// left of that work, and an inverted mesh would not be untangled.
 class RepeatHooks {
  public:
   explicit RepeatHooks(const Context& hooks) : hooks_(hooks) {

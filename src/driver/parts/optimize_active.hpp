@@ -41,7 +41,8 @@ using ChangePart = std::function<bool(ActivePart&, const Context&)>;
 std::optional<PartMaps> change_tets(TetMesh& mesh, FlaggedPart part, const Options& options, const Context& context,
                                     const ChangePart& change, Report& report);
 
-/// The error of a part, or, if it lists what is not valid in the part, the same for the whole mesh with its numbers.
+/// Returns the error of a part. Where that is the validation report of the part, returns the report of the whole mesh,
+/// which has its numbers.
 MeshError error_of_whole(const MeshError& of_part, const TetMesh& part, const TetMesh& whole, int threads);
 
 /// The constraints of a mesh, as optimize() reports them: vertices by degrees of freedom, listed corners and edges that

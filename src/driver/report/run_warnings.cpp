@@ -19,7 +19,7 @@ bool is_floating(const DataArray& array) {
       array.values);
 }
 
-/// Those on fields, of the run and on frozen vertices, and one per list of solids of other kinds.
+/// Room for the warnings on fields, of the run and on frozen vertices, and one per list of solids of other kinds.
 constexpr std::size_t kRoom = 9;
 
 bool has_moved(const Report& report) {

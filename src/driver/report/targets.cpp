@@ -37,6 +37,7 @@ double best_at(Measure measure, double degrees) {
                                      : elementary::cbrt(8 * elementary::repeated_square(elementary::sin(angle), 1) /
                                                         elementary::repeated_square(3 - elementary::cos(angle), 1));
 }
+
 /// Whether best_at() bounds the measure.
 bool is_bounded_by_angle(Measure measure) {
   return measure == Measure::min_dihedral || measure == Measure::mean_ratio || measure == Measure::sicn ||
@@ -268,6 +269,7 @@ void add_locked(const TetMesh& mesh, const std::vector<std::uint8_t>& flags, int
       r.worst.push_back(missed);
       ++r.missed;
       ++r.held_by[std::size_t(LimitingConstraint::locked_element)];
+      if (r.worst.size() >= 2 * kMaxMissed) keep_worst(larger_is_better(r.target.measure), r.worst);
     }
     keep_worst(larger_is_better(r.target.measure), r.worst);
   }

@@ -13,8 +13,8 @@ namespace tetune {
 /// The report where there is nothing to optimize.
 Report report_unchanged(const TetMesh& mesh, const Options& options);
 
-/// Makes the report of a run that of one whose result was not taken, for a reason: what describes the result is that of
-/// `mesh`, the input; the device, the times, the numbers of vertices and why the run ended stay.
+/// Changes the report of a run whose result is discarded: its description of the result becomes that of `mesh`, the
+/// input, and it warns of the reason. The device, the times, the numbers of vertices and why the run ended stay.
 void discard_result(const TetMesh& mesh, const Options& options, std::string reason, Report& report);
 
 }  // namespace tetune
