@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <tuple>
+#include <utility>
 
 #include "backend/atomic.hpp"
 #include "curved/surface_distance.hpp"
@@ -45,7 +46,7 @@ struct HashedSamples {
 };
 
 /// One in `stride` of the vertices, and of the midpoints of edges and triangles. Of the triangles at an edge at least
-/// one lists it in increasing order of its end points.
+/// one lists it in increasing order of its end points, as their orientation is consistent.
 HashedSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
   HashedSamples sampled;
   for (Size i = 0; i < std::ssize(surface.vertices); i += stride) {
@@ -130,7 +131,8 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
   Size boundary_faces = 0;
   const QuadraticTriangles quadratic(mesh.points, mesh.curved_edges);
   for_each_surface_face(mesh, threads, [&](const SortedHalfFace& face, bool is_boundary) {
-    const std::array<Index, 3>& v = face.vertices;
+    std::array<Index, 3> v = face.vertices;
+    if (face.odd) std::swap(v[1], v[2]);
     const TrianglePoints triangle{positions.position(v[0]), positions.position(v[1]), positions.position(v[2])};
     for (std::size_t k = 0; k < 3; ++k) {
       char& seen = span_of(on_surface)[v[k]];

@@ -18,6 +18,7 @@ struct MeshSurface {
     Vec3 point;
     Size triangle;  ///< one of those at it
   };
+  /// Oriented outward from the region of the lower tag, so that each edge is listed in both directions.
   std::vector<TrianglePoints> triangles;
   /// The ids of the vertices of each; empty where edges are curved.
   std::vector<std::array<Index, 3>> ids;
