@@ -20,7 +20,7 @@ namespace {
 
 /// Distances below this part of an edge count as zero.
 constexpr double kNegligible = 1e-6;
-/// A middle farther from the chord than this part of it is not plausible.
+/// A mid-side node farther from the midpoint than this part of the edge is not plausible.
 constexpr double kMaxOffset = 0.25;
 
 using Edge = std::array<Index, 2>;
@@ -124,8 +124,8 @@ class Sheets {
     }
   }
 
-  /// The corners at the vertex of a corner that can be reached over edges that are no features. Marks them as done,
-  /// which are those of other sectors.
+  /// The sector of a corner: the corners at its vertex that can be reached across edges that are no features. Marks
+  /// them in `is_done`.
   std::vector<Index> sector(Index corner, std::vector<std::uint8_t>& is_done) const {
     std::vector<Index> corners{corner};
     span_of(is_done)[corner] = 1;
@@ -273,8 +273,8 @@ class Sheets {
   }
 
   /// The vector from the midpoint of an edge of a feature line to the point of the polynomial through its vertices and
-  /// those before and behind it, over the length of the chords. A single edge has the least offset that both sheets
-  /// have.
+  /// those before and behind it, over the length of the chords. For an edge without such vertices it is the shortest
+  /// one with the offsets of both sheets along their normals.
   Vec3 offset_on_line(const Edge& edge, const std::vector<Index>& corners) const {
     const Vec3 p = at(edge[0]);
     const Vec3 q = at(edge[1]);

@@ -40,6 +40,13 @@ inline std::string first_ids(const std::vector<Index>& ids, bool one_based) {
   return text;
 }
 
+/// A number as a part of a message, with six digits: "1e-07".
+inline std::string short_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
 /// A position as a part of a message: "near 0.5 -2 1e+06".
 inline std::string place_text(const Point3& p) {
   char text[64];
