@@ -12,7 +12,7 @@
 /// Parts of the messages on findings.
 namespace tetune {
 
-/// What is known of an index out of range beyond its element: ": index 5, but there are 5 vertices (0 to 4)".
+/// The part of a message on an index out of range: ": index 5, but there are 5 vertices (0 to 4)".
 inline std::string text_of(const BadIndex& bad, bool one_based) {
   const int first = one_based ? 1 : 0;
   std::string text = ": index " + std::to_string(bad.index + first);

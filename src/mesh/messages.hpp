@@ -33,7 +33,7 @@ inline void append_first_ids(const std::vector<Index>& ids, bool one_based, std:
   text += ")";
 }
 
-/// The same as a text.
+/// As append_first_ids(), as a text of its own.
 inline std::string first_ids(const std::vector<Index>& ids, bool one_based) {
   std::string text;
   append_first_ids(ids, one_based, text);

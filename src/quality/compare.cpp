@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "backend/cpu.hpp"
 #include "curved/curved_edges.hpp"
@@ -39,7 +40,7 @@ double relative_change(double before, double after) { return before != 0 ? after
 /// Volumes or areas by tag.
 using SizeByTag = std::map<int, double>;
 
-/// Adds up sizes of items, most of which have the tag of the one before.
+/// Adds up sizes of items by tag. Fast where most items have the tag of the one before.
 class SizeSum {
  public:
   void add(int tag, double size) {

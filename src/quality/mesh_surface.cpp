@@ -34,7 +34,7 @@ std::uint64_t hash_of(const Vec3& p) {
 /// The hash of a triangle, which does not depend on the order of its vertices.
 std::uint64_t hash_of(const TrianglePoints& t) { return mix_bits(hash_of(t[0]) + hash_of(t[1]) + hash_of(t[2])); }
 
-/// Samples with the hash of the vertex or triangle that each is of.
+/// Samples, each with the hash of its vertex or triangle.
 struct HashedSamples {
   std::vector<SurfaceSample> samples;
   std::vector<std::uint64_t> hashes;
@@ -45,8 +45,8 @@ struct HashedSamples {
   }
 };
 
-/// One in `stride` of the vertices, and of the midpoints of edges and triangles. Of the triangles at an edge at least
-/// one lists it in increasing order of its end points, as their orientation is consistent.
+/// One in `stride` of the vertices, of the midpoints of edges, and of the centroids of triangles. Of the triangles at
+/// an edge at least one lists it in increasing order of its end points, as their orientation is consistent.
 HashedSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
   HashedSamples sampled;
   for (Size i = 0; i < std::ssize(surface.vertices); i += stride) {
@@ -73,14 +73,14 @@ HashedSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
   return sampled;
 }
 
-/// A set of hashes, of which those are marked that another set has too.
+/// A set of hashes with a mark for each, for those that another set has too.
 class MarkedHashes {
  public:
   explicit MarkedHashes(const std::vector<std::uint64_t>& hashes)
       : mask_(std::bit_ceil(2 * hashes.size() + 1) - 1), slots_(mask_ + 1, kEmpty), marks_(mask_ + 1, 0) {
     for (const std::uint64_t hash : hashes) slots_[slot_of(hash)] = hash;
   }
-  /// Marks a hash of the set if it is in it. May be called concurrently.
+  /// Marks a hash if it is in the set. May be called concurrently.
   void mark(std::uint64_t hash) {
     const std::size_t slot = slot_of(hash);
     if (slots_[slot] == hash) backend::store_shared(marks_[slot], std::uint8_t{1});

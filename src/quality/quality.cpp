@@ -26,10 +26,6 @@ constexpr int kBinsPerDegree = 100;
 constexpr int kBins = 180 * kBinsPerDegree + 1;
 static_assert(6 * std::int64_t{kMaxTets} <= std::numeric_limits<std::uint32_t>::max());
 
-/// Each chunk has bins of its own, which cost as much time as some hundred tetrahedra.
-Size chunk_count(Size tets) { return shape_chunk_count(tets); }
-Size chunk_begin(Size tets, Size chunk) { return shape_chunk_begin(tets, chunk); }
-
 bool is_worse(const WorstTet& a, const WorstTet& b) {
   return a.dihedral < b.dihedral || (a.dihedral == b.dihedral && a.tet < b.tet);
 }
@@ -39,7 +35,7 @@ bool is_worse(const WorstTet& a, const WorstTet& b) {
 class MeasureTable {
  public:
   MeasureTable(Size tets, int worst_count)
-      : worst_count_(to_size_t(std::max(0, worst_count))), chunks_(to_size_t(chunk_count(tets))) {
+      : worst_count_(to_size_t(std::max(0, worst_count))), chunks_(to_size_t(shape_chunk_count(tets))) {
     for (auto& column : columns_) column.resize(to_size_t(tets));
   }
 
@@ -145,8 +141,8 @@ struct MeasureChunk {
 
   QualitySums operator()(Size chunk, Span<std::uint32_t> bins) const {
     QualitySums sums;
-    const Size begin = chunk_begin(mesh.tets.size(), chunk);
-    const Size end = chunk_begin(mesh.tets.size(), chunk + 1);
+    const Size begin = shape_chunk_begin(mesh.tets.size(), chunk);
+    const Size end = shape_chunk_begin(mesh.tets.size(), chunk + 1);
     for (Size first = begin; first < end; first += kLanes) {
       const TetShapeT<Pack> shapes = load_shapes(mesh, first, end - 1);
       const Pack etas = shapes.eta();
@@ -219,13 +215,14 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const double scale = unit_scale(mesh);
   const TetMeshView view(mesh, scale);
   std::vector<double> eta(mesh.tets.size());
-  const Size chunks = chunk_count(q.tets);
+  const Size chunks = shape_chunk_count(q.tets);
   std::vector<QualitySums> chunk_sums(to_size_t(chunks));
   AngleBins bins(kBins, 0);
   std::mutex bins_mutex;
   const backend::Cpu cpu(threads);
   const MeasureChunk measure_chunk{view, span_of(eta), table};
   cpu.for_parts(chunks, [&](Size chunk) {
+    // Bins cost as much time as some hundred tetrahedra, so that chunks are larger.
     AngleBins chunk_bins(kBins, 0);
     span_of(chunk_sums)[chunk] = measure_chunk(chunk, span_of(chunk_bins));
     const std::lock_guard lock(bins_mutex);
@@ -279,7 +276,7 @@ std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh, unit_scale(mesh));
   std::vector<Measures> result(mesh.tets.size());
   const Span<Measures> measures = span_of(result);
-  backend::Cpu(threads).for_parts(chunk_count(measures.size()), [&](Size chunk) {
+  backend::Cpu(threads).for_parts(shape_chunk_count(measures.size()), [&](Size chunk) {
     for_each_shape(view, chunk,
                    [&](const TetShapeT<Pack>& shapes, int l, Size t) { measures[t] = all_measures(lane(shapes, l)); });
   });
