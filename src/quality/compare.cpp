@@ -140,7 +140,7 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   c.mean_edge = old_surface.mean_edge / scale;
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
   const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
-  c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
+  c.sample_stride = max_samples > 0 ? (samples - 1) / max_samples + 1 : 1;
   const LargestDistances new_to_old = max_distances(new_surface, old_surface, c.sample_stride, cpu);
   c.vertices_to_old = new_to_old.vertices / old_surface.mean_edge;
   c.new_to_old = new_to_old.all / old_surface.mean_edge;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -117,6 +119,16 @@ TEST(Compare, CommonTrianglesHaveNoDistance) {
   EXPECT_EQ(same.vertices_to_old, 0);
   const Comparison renumbered = compare(mesh, test::scrambled(mesh, 5, 2));
   EXPECT_EQ(renumbered.new_to_old, 0);
+}
+
+TEST(Compare, TheNumberOfSamplesHasNoUpperLimit) {
+  const TetMesh before = test::cube(3);
+  TetMesh after = before;
+  for (Point3& p : after.points) p[0] *= 1.5;
+  const Comparison all = compare(before, after);
+  const Comparison limited = compare(before, after, 1, std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(limited.sample_stride, 1);
+  EXPECT_EQ(limited.new_to_old, all.new_to_old);
 }
 
 TEST(Compare, FindsChanges) {
