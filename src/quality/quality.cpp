@@ -50,15 +50,16 @@ class MeasureTable {
       e.max = std::max(e.max, m[k]);
       e.sum += m[k];
     }
-    insert_worst(c.worst, {to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}});
+    add_to_worst(c.worst, {to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}});
   }
 
   /// Writes Quality::measures and Quality::worst. Reorders the table: called once, last.
   void summarize(const TetMeshView& mesh, const backend::Cpu& cpu, Quality& quality) {
     cpu.for_parts(kMeasures, [&](Size k) { summarize_measure(to_size_t(k), quality.measures[to_size_t(k)]); });
     for (const Chunk& chunk : chunks_) {
-      for (const WorstTet& tet : chunk.worst) insert_worst(quality.worst, tet);
+      for (const WorstTet& tet : chunk.worst) add_to_worst(quality.worst, tet);
     }
+    std::sort_heap(quality.worst.begin(), quality.worst.end(), is_worse);
     for (WorstTet& worst : quality.worst) worst.centroid = mesh.centroid(worst.tet);
   }
 
@@ -68,13 +69,20 @@ class MeasureTable {
   };
   struct Chunk {
     std::array<Extent, kMeasures> extents;
-    std::vector<WorstTet> worst;
+    std::vector<WorstTet> worst;  ///< a heap
   };
 
-  /// Inserts a tetrahedron into a sorted list of the worst ones.
-  void insert_worst(std::vector<WorstTet>& worst, const WorstTet& tet) const {
-    worst.insert(std::upper_bound(worst.begin(), worst.end(), tet, is_worse), tet);
-    if (worst.size() > worst_count_) worst.pop_back();
+  /// Adds a tetrahedron to a heap of the worst ones, whose front is the best of them.
+  void add_to_worst(std::vector<WorstTet>& heap, const WorstTet& tet) const {
+    if (heap.size() < worst_count_) {
+      heap.push_back(tet);
+    } else if (!heap.empty() && is_worse(tet, heap.front())) {
+      std::pop_heap(heap.begin(), heap.end(), is_worse);
+      heap.back() = tet;
+    } else {
+      return;
+    }
+    std::push_heap(heap.begin(), heap.end(), is_worse);
   }
 
   void summarize_measure(std::size_t measure, MeasureSummary& summary) {
