@@ -24,11 +24,13 @@ constexpr double kNegligible = 1e-6;
 constexpr double kMaxOffset = 0.25;
 
 using Edge = std::array<Index, 2>;
-/// Corner 3 * triangle + k; the edge of a corner is the one opposite it.
+/// Sheets::across() of a corner whose edge is a feature.
 constexpr Index kFeature = -1;
 
 Vec3 unit(const Vec3& v) { return (1 / norm(v)) * v; }
 
+/// Divides a surface into sheets, and finds the mid-side nodes of its edges. Corner k of a triangle is 3 * triangle +
+/// k; the edge of a corner is the one opposite it.
 class Sheets {
  public:
   Sheets(const std::vector<Point3>& points, const std::vector<SheetTriangle>& triangles, const std::vector<Edge>& lines,
@@ -94,6 +96,7 @@ class Sheets {
   Index vertex(Index corner) const { return span_of(triangles_)[corner / 3].vertices[to_size_t(corner % 3)]; }
   static Index next(Index corner) { return corner - corner % 3 + (corner + 1) % 3; }
   Edge edge_of(Index corner) const { return ascending(vertex(next(corner)), vertex(next(next(corner)))); }
+  /// The corner with the same edge in the other triangle, or kFeature.
   Index across(Index corner) const { return span_of(across_)[corner]; }
   bool is_flat(Index triangle) const { return span_of(flat_)[triangle] != 0; }
   Vec3 area_vector(Index t) const {
