@@ -16,15 +16,15 @@ inline bool is_before(const CurvedEdge& e, const CurvedEdge& f) { return e.verti
 /// An edge, with vertices in ascending order, in a sorted list; null where the list lacks it.
 const CurvedEdge* find_edge(const std::vector<CurvedEdge>& sorted, const std::array<Index, 2>& edge);
 
-/// Replaces edges of a sorted list, and adds those that it lacks.
+/// Replaces edges of a sorted list by the changed ones with the same vertices, and adds those that it lacks.
 void merge_edges(std::vector<CurvedEdge>& sorted, std::vector<CurvedEdge> changed);
 
-/// The largest distance of a mid-side node that has been computed from the midpoint, relative to the length of the
-/// edge, at which the edge is straight.
+/// An edge whose mid-side node was computed is straight if the node is at most this far from the midpoint, relative to
+/// the length of the edge.
 inline constexpr double kStraight = 1e-12;
 
-/// Whether the mid-side node is at most this far from the midpoint, relative to the length of the edge; farther by the
-/// rounding of coordinates of 15 digits, as of text.
+/// Whether the mid-side node is at most `tolerance` times the length of the edge from the midpoint, with an allowance
+/// for the rounding of coordinates to 15 digits, as in text.
 bool is_straight(const TetMesh& mesh, const CurvedEdge& edge, double tolerance);
 
 /// The curved edges of a mesh by their vertices. Refers to the mesh.

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "backend/span.hpp"
 #include "curved/jacobian.hpp"
+#include "mesh/id_maps.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/data.hpp"
 
@@ -47,9 +47,7 @@ std::map<Edge, std::vector<Index>> find_stars(const TetMesh& mesh, const std::se
 void split(TetMesh& mesh, const Edge& edge, const std::vector<Index>& star, std::vector<Index>& new2old,
            Origins& origins) {
   const Index x = to_index(mesh.points.size());
-  const Point3 p = span_of(mesh.points)[edge[0]];
-  const Point3 q = span_of(mesh.points)[edge[1]];
-  mesh.points.push_back({(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2});
+  mesh.points.push_back(midpoint(span_of(mesh.points)[edge[0]], span_of(mesh.points)[edge[1]]));
   mesh.point_tags.push_back(0);
   if (!mesh.deck_nodes.empty()) mesh.deck_nodes.push_back(0);
   origins.vertices.push_back(-1);
@@ -66,25 +64,19 @@ void split(TetMesh& mesh, const Edge& edge, const std::vector<Index>& star, std:
 
 }  // namespace
 
-Origins own_origins(const TetMesh& mesh) {
-  Origins origins{std::vector<Index>(mesh.tets.size()), std::vector<Index>(mesh.points.size())};
-  std::iota(origins.tets.begin(), origins.tets.end(), 0);
-  std::iota(origins.vertices.begin(), origins.vertices.end(), 0);
-  return origins;
-}
+Origins own_origins(const TetMesh& mesh) { return {identity_map(mesh.tets.size()), identity_map(mesh.points.size())}; }
 
 std::vector<Index> split_edges(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, double max_tets,
                                Origins& origins) {
-  std::set<Edge> wanted;
+  std::set<Edge> chosen;
   std::vector<Edge> order;
   for (const Index t : tets) {
     const Edge edge = edge_to_split(mesh, held, span_of(mesh.tets)[t]);
-    if (edge[0] >= 0 && wanted.insert(edge).second) order.push_back(edge);
+    if (edge[0] >= 0 && chosen.insert(edge).second) order.push_back(edge);
   }
-  const std::map<Edge, std::vector<Index>> stars = find_stars(mesh, wanted);
+  const std::map<Edge, std::vector<Index>> stars = find_stars(mesh, chosen);
   std::vector<std::uint8_t> is_split(mesh.tets.size(), 0);
-  std::vector<Index> new2old;
-  for (Index t = 0; t < std::ssize(mesh.tets); ++t) new2old.push_back(t);
+  std::vector<Index> new2old = identity_map(mesh.tets.size());
   std::set<Edge> gone;
   for (const Edge& edge : order) {
     const std::vector<Index>& star = stars.at(edge);

@@ -20,7 +20,8 @@ Origins own_origins(const TetMesh& mesh);
 /// it, unless one of these is split already, in the order of the list. Where the surface alone makes a determinant
 /// negative, because an element has two faces on it, the new vertex gives each part a face of its own: relax_curved()
 /// moves it inward. An edge stays whose split would make more than `max_tets` tetrahedra. New vertices and tetrahedra
-/// are behind all others; tags, data and `origins` follow. Returns the tetrahedra around new vertices.
+/// are behind all others; tags, data of tetrahedra and `origins` follow, data of vertices do not. Returns the
+/// tetrahedra around new vertices.
 std::vector<Index> split_edges(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, double max_tets,
                                Origins& origins);
 

@@ -8,6 +8,7 @@
 
 #include "backend/span.hpp"
 #include "math/constants.hpp"
+#include "mesh/messages.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -84,12 +85,11 @@ void check_is_near(const FinerSurface& finer, const std::vector<Point3>& points,
     farthest = v;
   }
   if (far == 0) return;
-  const Point3& p = points[farthest];
   throw MeshError("the finer surface is not that of the mesh: " + std::to_string(far) +
                   " vertices are farther from it than a tenth of their shortest edge on the surface; the largest "
                   "distance is " +
-                  std::to_string(largest) + ", of vertex " + std::to_string(farthest + 1) + " (counted from 1) at " +
-                  std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) +
+                  short_text(largest) + ", of vertex " + std::to_string(farthest + 1) + " (counted from 1) " +
+                  place_text(points[farthest]) +
                   "\n  give a mesh of the same part, in the same place and unit, with smaller triangles.");
 }
 

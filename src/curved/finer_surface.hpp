@@ -18,10 +18,10 @@ class FinerSurface {
   FinerSurface(const std::vector<Point3>& points, const std::vector<SheetTriangle>& triangles,
                const SurfaceParts& parts, const std::vector<CurvedEdge>& middles);
 
-  /// The point of the surface beside `guess`, for the middle of the edge pq: in the sheet that is nearest to these
-  /// three points.
+  /// The point of the surface near `guess`, a position for the mid-side node of the edge pq: in the sheet that is
+  /// nearest to these three points.
   Vec3 point_near(const Vec3& p, const Vec3& q, const Vec3& guess) const;
-  /// The point of a feature line beside `guess`, if both ends of the edge are near feature lines.
+  /// The point of a feature line near `guess`, if both ends of the edge are near feature lines.
   std::optional<Vec3> point_on_lines(const Vec3& p, const Vec3& q, const Vec3& guess) const;
   /// The distance of a point from the straight triangles.
   double distance(const Vec3& p) const;

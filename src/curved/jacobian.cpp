@@ -42,13 +42,13 @@ constexpr std::array<std::size_t, 64> make_terms() {
 /// The term of three vertices in any order.
 constexpr std::array<std::size_t, 64> kTerms = make_terms();
 
-/// Number of orders of the vertices of a term.
-constexpr double orders(const Triple& t) {
+/// The multinomial coefficient of a term: the number of different orders of its vertices.
+constexpr double multinomial(const Triple& t) {
   if (t[0] == t[2]) return 1;
   return t[0] == t[1] || t[1] == t[2] ? 3 : 6;
 }
 
-/// The corners of a part: each is the middle of two vertices of the whole, or twice the same one.
+/// The corners of a part: each is the midpoint of two vertices of the whole, or one of them, listed twice.
 using Part = std::array<std::array<std::size_t, 2>, 4>;
 /// One part at each vertex, and four around the diagonal of the octahedron between them.
 constexpr std::array<Part, 8> kParts{{{{{0, 0}, {0, 1}, {0, 2}, {0, 3}}},
@@ -112,8 +112,12 @@ double determinant_error(const Vec3& largest, const Vec3& off) {
 }  // namespace
 
 double JacobianPolynomial::corner(std::size_t vertex) const { return coefficients[kTerms[21 * vertex]]; }
-double JacobianPolynomial::smallest() const { return *std::min_element(coefficients.begin(), coefficients.end()); }
-double JacobianPolynomial::largest() const { return *std::max_element(coefficients.begin(), coefficients.end()); }
+double JacobianPolynomial::smallest_coefficient() const {
+  return *std::min_element(coefficients.begin(), coefficients.end());
+}
+double JacobianPolynomial::largest_coefficient() const {
+  return *std::max_element(coefficients.begin(), coefficients.end());
+}
 
 ScaledJacobian jacobian_of(const TenNodes& nodes) {
   const auto [x, scale] = localize(nodes);
@@ -141,7 +145,7 @@ ScaledJacobian jacobian_of(const TenNodes& nodes) {
   for (std::size_t i = 0; i < 64; ++i) {
     sums[kTerms[i]] += det(side[0][i / 16], side[1][i / 4 % 4], side[2][i % 4]);
   }
-  for (std::size_t n = 0; n < kJacobianTerms; ++n) sums[n] /= orders(kTriples[n]);
+  for (std::size_t n = 0; n < kJacobianTerms; ++n) sums[n] /= multinomial(kTriples[n]);
   // A side is a sum of terms of at most 11 times the largest node in all, each after at most five roundings.
   const Vec3 off = 64 * kRoundoff * largest_node;
   const auto& [sx, sy, sz] = largest_side;
@@ -161,7 +165,8 @@ double signed_volume(const TenNodes& nodes) {
 
 std::array<JacobianPolynomial, 8> subdivide(const JacobianPolynomial& polynomial) {
   std::array<JacobianPolynomial, 8> parts{};
-  const double largest = std::max(std::fabs(polynomial.smallest()), std::fabs(polynomial.largest()));
+  const double largest =
+      std::max(std::fabs(polynomial.smallest_coefficient()), std::fabs(polynomial.largest_coefficient()));
   for (std::size_t p = 0; p < 8; ++p) {
     for (std::size_t n = 0; n < kJacobianTerms; ++n) {
       double sum = 0;
@@ -177,7 +182,7 @@ double evaluate(const JacobianPolynomial& polynomial, const std::array<double, 4
   double value = 0;
   for (std::size_t n = 0; n < kJacobianTerms; ++n) {
     const Triple& t = kTriples[n];
-    value += orders(t) * polynomial.coefficients[n] * (at[t[0]] * at[t[1]] * at[t[2]]);
+    value += multinomial(t) * polynomial.coefficients[n] * (at[t[0]] * at[t[1]] * at[t[2]]);
   }
   return value;
 }
@@ -194,7 +199,7 @@ MinimumBounds bound_minimum(const JacobianPolynomial& polynomial, double toleran
   const auto add = [&](const JacobianPolynomial& part) {
     // Values at corners bound the minimum from above, coefficients from below.
     for (std::size_t v = 0; v < 4; ++v) upper = std::min(upper, part.corner(v) + part.error);
-    parts.push({part.smallest() - part.error, part});
+    parts.push({part.smallest_coefficient() - part.error, part});
   };
   add(polynomial);
   for (int i = 0; i < kMaxSubdivisions; ++i) {
@@ -209,7 +214,7 @@ MinimumBounds bound_minimum(const JacobianPolynomial& polynomial, double toleran
 }
 
 CurvedTet measure_nodes(const TenNodes& nodes) {
-  // The relative accuracy of the bounds, of the determinant of the straight element.
+  // The accuracy of the bounds, relative to the determinant of the straight element.
   constexpr double kAccuracy = 1e-3;
   CurvedTet result;
   const ScaledJacobian jacobian = jacobian_of(nodes);

@@ -19,14 +19,15 @@ using TenNodes = std::array<Vec3, 10>;
 inline constexpr std::size_t kJacobianTerms = 20;
 using JacobianCoefficients = std::array<double, kJacobianTerms>;
 
-/// A polynomial of degree 3 over a tetrahedron by Bezier coefficients, which are off by at most `error` each.
+/// A polynomial of degree 3 over a tetrahedron by its Bernstein-Bezier coefficients, each with an error of at most
+/// `error`.
 struct JacobianPolynomial {
   JacobianCoefficients coefficients{};
   double error = 0;
   /// Value at a vertex, 0 to 3.
   double corner(std::size_t vertex) const;
-  double smallest() const;
-  double largest() const;
+  double smallest_coefficient() const;
+  double largest_coefficient() const;
 };
 
 /// The determinant of the Jacobian matrix with respect to the reference tetrahedron with three unit edges: that of a
@@ -53,8 +54,8 @@ struct MinimumBounds {
   double lower = 0, upper = 0;
 };
 
-/// Subdivides where the minimum may be, until its sign is proved and both bounds differ by at most `tolerance`, or the
-/// limit of subdivisions is reached.
+/// Branch and bound: subdivides the part of the smallest lower bound until the sign of the minimum is proved and both
+/// bounds differ by at most `tolerance` beyond rounding errors, or the limit of subdivisions is reached.
 MinimumBounds bound_minimum(const JacobianPolynomial& polynomial, double tolerance);
 
 /// All measures but the id and the centroid.

@@ -9,9 +9,9 @@
 namespace tetune {
 namespace minimize_detail {
 
-/// The decrease that the line search accepts, as a part of that of the linear model (Armijo's condition).
+/// The decrease that the line search accepts, as a fraction of that of the linear model (Armijo's condition).
 inline constexpr double kSufficientDecrease = 1e-4;
-/// The smallest cosine between the steps of x and of the gradient with which a pair of them is kept.
+/// A pair of steps of x and of the gradient is kept if the cosine of the angle between them is above this.
 inline constexpr double kMinCurvature = 1e-12;
 
 inline double product(const std::vector<double>& a, const std::vector<double>& b) {
@@ -37,7 +37,7 @@ double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const
   constexpr double kRelativeDecrease = 1e-6;
   struct Pair {
     std::vector<double> dx, dg;
-    double inverse;  ///< of their product
+    double inverse;  ///< of their scalar product
   };
   using namespace minimize_detail;
   std::deque<Pair> pairs;
@@ -72,7 +72,7 @@ double minimize_lbfgs(std::vector<double>& x, double step, int iterations, const
     }
     if (!found) {
       if (pairs.empty()) break;
-      pairs.clear();  // steepest descent
+      pairs.clear();  // continue by steepest descent
       continue;
     }
     Pair pair{next, next_gradient, 0};

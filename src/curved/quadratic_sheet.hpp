@@ -9,11 +9,12 @@
 
 namespace tetune {
 
-/// Barycentric coordinates of a point of a triangle; of a segment if that has two equal corners.
+/// Barycentric coordinates of a point of a triangle. A degenerate one counts as the segment between its first two
+/// corners.
 std::array<double, 3> barycentric(const TrianglePoints& t, const Vec3& p);
 
-/// A part of a surface of quadratic triangles, or lines as triangles of two points, over its straight triangles.
-/// Queries may run concurrently.
+/// A part of a surface of quadratic triangles over its straight triangles, or a set of quadratic lines, which are
+/// triangles whose last two corners are equal. Queries may run concurrently.
 class QuadraticSheet {
  public:
   /// A quadratic triangle: its corners, and the offsets of the mid-side nodes from the midpoints of the sides 01, 12
@@ -25,7 +26,7 @@ class QuadraticSheet {
   explicit QuadraticSheet(std::vector<Triangle> triangles);
 
   /// The point of the quadratic triangle with the barycentric coordinates of the closest point of the straight
-  /// triangles: continuous over the sheet. p itself where squared distances overflow.
+  /// triangles: continuous over the sheet. Returns p where squared distances overflow.
   Vec3 lift(const Vec3& p) const;
   /// The squared distance from the straight triangles.
   double distance2(const Vec3& p) const { return search_.distance2(p); }

@@ -19,7 +19,7 @@
 namespace tetune {
 namespace {
 
-constexpr int kRings = 2;
+constexpr int kRings = 2;  ///< of tetrahedra around the listed ones, which a patch includes
 
 using TetList = std::vector<Index>;
 
@@ -324,7 +324,7 @@ void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>
   const VertexTets vertex2tets(cpu, mesh);
   const std::vector<TetList> patches = find_patches(mesh, vertex2tets, tets);
   std::vector<PatchResult> results(patches.size());
-  // Patches have no element in common, so that no node of two of them moves.
+  // Patches have no element in common, so that no node moves in two of them.
   cpu.for_parts(std::ssize(patches), [&](Size i) {
     span_of(results)[i] = Patch(mesh, edges, held, vertex2tets, goal, span_of(patches)[i]).relax();
   });

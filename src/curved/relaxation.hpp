@@ -27,15 +27,15 @@ struct RelaxationGoal {
   /// The smallest dihedral angle, in degrees, that a straight element may get; or less where it has less.
   double min_dihedral = 0;
   bool moves_vertices = true;  ///< if false, only mid-side nodes move
-  bool only_valid = false;     ///< a patch is left alone once all of its elements are proved valid
+  bool only_valid = false;     ///< the work on a patch ends once all of its elements are proved valid
   int threads = 0;
   std::function<bool()> stop{};  ///< if set and true, ends the relaxation early; called by all threads
 };
 
-/// Relaxes patches, connected groups of the listed tetrahedra with their surroundings. A patch is accepted if its
-/// number of elements that are not proved valid falls, or is 0 and its smallest scaled Jacobian rises; else it stays as
-/// it is. Entries of `curved_edges` are added where inner edges become curved. Deterministic: the result does not
-/// depend on the number of threads.
+/// Relaxes patches: connected groups of the listed tetrahedra and two rings around them. A new state of a patch is
+/// accepted if its number of elements that are not proved valid falls, or is 0 and its smallest scaled Jacobian rises.
+/// Entries of `curved_edges` are added where inner edges become curved. Deterministic: the result does not depend on
+/// the number of threads.
 void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, const RelaxationGoal& goal);
 
 }  // namespace tetune

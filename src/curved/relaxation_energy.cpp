@@ -96,35 +96,35 @@ struct LinearJacobian {
       {{0, 4, 6, 7}, {4, 0, 5, 8}, {6, 5, 0, 9}, {7, 8, 9, 0}}};
 };
 
-/// The slopes of the energy by the matrices of LinearJacobian.
-struct JacobianSlopes {
+/// The derivatives of the energy with respect to the matrices of LinearJacobian.
+struct JacobianGradient {
   std::array<MatrixPack, 4> terms{};
   Matrix straight;
 
-  void add(std::size_t pack, MatrixPack slopes) {
+  void add(std::size_t pack, MatrixPack derivatives) {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t c = 0; c < 3; ++c) {
-        for (std::size_t v = 0; v < 3; ++v) terms[v + 1][k][c] += kLattice[pack][v] * slopes[k][c];
+        for (std::size_t v = 0; v < 3; ++v) terms[v + 1][k][c] += kLattice[pack][v] * derivatives[k][c];
       }
     }
     if (pack + 1 == kPacks) {
       const auto last = [](const std::array<Pack, 3>& v) {
         return Vec3{v[0][kLanes - 1], v[1][kLanes - 1], v[2][kLanes - 1]};
       };
-      straight = {last(slopes[0]), last(slopes[1]), last(slopes[2])};
-      for (auto& column : slopes) {
+      straight = {last(derivatives[0]), last(derivatives[1]), last(derivatives[2])};
+      for (auto& column : derivatives) {
         for (Pack& x : column) x[kLanes - 1] = 0;
       }
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t c = 0; c < 3; ++c) terms[0][k][c] += slopes[k][c];
+      for (std::size_t c = 0; c < 3; ++c) terms[0][k][c] += derivatives[k][c];
     }
   }
 
-  void add_forces(const PatchElement& element, std::vector<Vec3>& forces) const {
+  void add_to_nodes(const PatchElement& element, std::vector<Vec3>& gradient) const {
     const Matrix transposed = element.inverse_ideal;  // whose columns are the rows
     const auto add = [&](std::size_t n, double factor, const Vec3& f) {
-      forces[element.nodes[n]] = forces[element.nodes[n]] + factor * f;
+      gradient[element.nodes[n]] = gradient[element.nodes[n]] + factor * f;
     };
     std::array<Matrix, 4> at_vertex;
     for (std::size_t v = 0; v < 4; ++v) {
@@ -133,7 +133,7 @@ struct JacobianSlopes {
       };
       at_vertex[v] = product({column(0), column(1), column(2)}, transposed);
     }
-    // The slope at vertex 0 is that by all matrices less those by the others.
+    // The matrices at the other vertices are differences from that at vertex 0.
     for (std::size_t v = 1; v < 4; ++v) {
       for (std::size_t k = 0; k < 3; ++k) at_vertex[0][k] = at_vertex[0][k] - at_vertex[v][k];
     }
@@ -195,7 +195,7 @@ Pack power_of(Pack x, int n) {
 
 /// chi, and its derivative divided by it.
 struct Regularized {
-  Pack chi, log_slope;
+  Pack chi, log_derivative;
 };
 Regularized regularized(const Pack& d, double epsilon) {
   if (epsilon == 0) return {d, 1 / d};
@@ -203,17 +203,17 @@ Regularized regularized(const Pack& d, double epsilon) {
   for (std::size_t l = 0; l < kLanes; ++l) {
     const double root = std::sqrt(epsilon * epsilon + d[l] * d[l]);
     r.chi[l] = d[l] > 0 ? 0.5 * (d[l] + root) : 0.5 * epsilon * epsilon / (root - d[l]);
-    r.log_slope[l] = 1 / root;
+    r.log_derivative[l] = 1 / root;
   }
   return r;
 }
 
-/// Replaces Jacobian matrices with determinants d by the slopes of the energy mean^power. Returns the energy. The
-/// slopes of its parts by J: d shape = along_j J - 2/3 shape chi'/chi cofactors, and
+/// Replaces Jacobian matrices with determinants d by the derivatives of the energy mean^power. Returns the energy. The
+/// derivatives of its parts by J: d shape = 2/3 chi^(-2/3) J - 2/3 shape chi'/chi cofactors, and
 /// d size = (D / chi - size chi'/chi) cofactors.
 Pack differentiate(MatrixPack& j, const MatrixPack& cofactors, const Pack& d, double epsilon, int power) {
-  const auto [chi, log_slope] = regularized(d, epsilon);
-  const Pack inverse_chi = epsilon == 0 ? log_slope : 1 / chi;
+  const auto [chi, log_derivative] = regularized(d, epsilon);
+  const Pack inverse_chi = epsilon == 0 ? log_derivative : 1 / chi;
   const Pack root = inverse_cube_root(chi);
   Pack along_j = root * root * (1.0 / 3);
   const Pack shape = (dot(j[0], j[0]) + dot(j[1], j[1]) + dot(j[2], j[2])) * along_j;
@@ -221,7 +221,7 @@ Pack differentiate(MatrixPack& j, const MatrixPack& cofactors, const Pack& d, do
   const Pack mean = 0.5 * (shape + size);
   const Pack outer = power_of(mean, power - 1);
   const Pack factor = power * outer;
-  const Pack along_cofactor = factor * (0.5 * (d * inverse_chi - (size + shape * (2.0 / 3)) * log_slope));
+  const Pack along_cofactor = factor * (0.5 * (d * inverse_chi - (size + shape * (2.0 / 3)) * log_derivative));
   along_j *= factor;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t c = 0; c < 3; ++c) j[k][c] = along_j * j[k][c] + along_cofactor * cofactors[k][c];
@@ -256,17 +256,17 @@ const std::vector<Vec3>& RelaxationEnergy::nodes_at(const std::vector<double>& x
 
 double RelaxationEnergy::operator()(const std::vector<double>& x, std::vector<double>& gradient) {
   nodes_at(x);
-  forces_.assign(nodes_.size(), Vec3{0, 0, 0});
+  node_gradient_.assign(nodes_.size(), Vec3{0, 0, 0});
   double energy = 0;
   for (const PatchElement& element : elements_) {
     energy += add_element(element);
     if (!(energy < kInfinity)) return kInfinity;
   }
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-    const Vec3& f = forces_[unknowns_[i]];
-    gradient[3 * i] = f.x;
-    gradient[3 * i + 1] = f.y;
-    gradient[3 * i + 2] = f.z;
+    const Vec3& g = node_gradient_[unknowns_[i]];
+    gradient[3 * i] = g.x;
+    gradient[3 * i + 1] = g.y;
+    gradient[3 * i + 2] = g.z;
   }
   return energy;
 }
@@ -287,7 +287,7 @@ double RelaxationEnergy::smallest_determinant(const std::vector<double>& x) {
 
 double RelaxationEnergy::add_element(const PatchElement& element) {
   const LinearJacobian jacobian(element, nodes_);
-  JacobianSlopes slopes;
+  JacobianGradient gradient;
   Pack energy{};
   for (std::size_t p = 0; p < kPacks; ++p) {
     MatrixPack j = jacobian.at(p);
@@ -295,9 +295,9 @@ double RelaxationEnergy::add_element(const PatchElement& element) {
     const Pack d = dot(cofactors[2], j[2]);
     if (epsilon == 0 && !all_positive(d)) return kInfinity;
     energy += differentiate(j, cofactors, d, epsilon, power);
-    slopes.add(p, j);
+    gradient.add(p, j);
   }
-  slopes.add_forces(element, forces_);
+  gradient.add_to_nodes(element, node_gradient_);
   return sum(energy);
 }
 

@@ -39,7 +39,7 @@ class RelaxationEnergy {
   double add_element(const PatchElement& element);
   std::vector<PatchElement> elements_;
   std::vector<Vec3> nodes_;
-  std::vector<Vec3> forces_;  ///< the gradient, per node
+  std::vector<Vec3> node_gradient_;  ///< per node
   std::vector<std::size_t> unknowns_;
 };
 

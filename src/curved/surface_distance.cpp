@@ -19,20 +19,21 @@ Vec3 point_at(const QuadraticSheet::Triangle& t, double u, double v) {
   return straight + 4 * (w * u) * t.offsets[0] + 4 * (u * v) * t.offsets[1] + 4 * (v * w) * t.offsets[2];
 }
 
-/// Four times the largest sum of products of two barycentric coordinates is 4/3.
+/// A bound on the distance between a quadratic triangle and its facets: four times the sum of the products of two
+/// barycentric coordinates is at most 4/3.
 double facet_error(const QuadraticSheet::Triangle& t, int division) {
   const double offset = std::max({norm(t.offsets[0]), norm(t.offsets[1]), norm(t.offsets[2])});
   return 4.0 / 3 * offset / (double(division) * division);
 }
 
-/// At most 4/3 of this is the distance between the straight and the quadratic part of a triangle with two corners that
-/// differ by (u, v) in barycentric coordinates.
+/// The distance of the quadratic triangle from the midpoint of a chord whose ends differ by (u, v) in barycentric
+/// coordinates. Of the three chords of a part of it, 4/3 of the largest bounds its distance from the straight part.
 double middle_offset(const QuadraticSheet::Triangle& t, double u, double v) {
   const double w = -u - v;
   return norm(w * u * t.offsets[0] + u * v * t.offsets[1] + v * w * t.offsets[2]);
 }
 
-/// A point of a triangle by two barycentric coordinates, and a point of the other surface beside it.
+/// A point of a triangle by two barycentric coordinates, and a point of the other surface near it.
 struct Sample {
   double u, v;
   Vec3 point;

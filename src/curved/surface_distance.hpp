@@ -23,9 +23,10 @@ struct SurfaceFacets {
 };
 SurfaceFacets divide_into_facets(const std::vector<QuadraticSheet::Triangle>& triangles, double tolerance);
 
-/// For each triangle an upper bound on the largest distance of its points from the surface `to`. A bound below the
-/// limit is sharp to half of the limit, and those above are not sharp. Once `stop`, which all threads call, is set and
-/// true, the bounds of the triangles that are left are infinite.
+/// For each triangle an upper bound on the largest distance of its points from the surface `to`, sharp to half of the
+/// limit, where it is at most the limit. A larger value only says that no such bound was found: the search ends at the
+/// first part of the triangle that exceeds the limit. Once `stop`, which all threads call, is set and true, the values
+/// of the triangles that are left are infinite.
 ///
 /// A triangle is divided into parts. Where the points of `to` beside the corners of a part are on one quadratic
 /// triangle, the difference of both surfaces is a quadratic polynomial, which they bound. Elsewhere the distance from

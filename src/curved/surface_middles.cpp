@@ -20,15 +20,17 @@ namespace {
 
 /// Distances below this part of an edge count as zero.
 constexpr double kNegligible = 1e-6;
-/// A middle farther from the chord than this part of it is not plausible.
+/// A mid-side node farther from the midpoint than this part of the edge is not plausible.
 constexpr double kMaxOffset = 0.25;
 
 using Edge = std::array<Index, 2>;
-/// Corner 3 * triangle + k; the edge of a corner is the one opposite it.
+/// Sheets::across() of a corner whose edge is a feature.
 constexpr Index kFeature = -1;
 
 Vec3 unit(const Vec3& v) { return (1 / norm(v)) * v; }
 
+/// Divides a surface into sheets, and finds the mid-side nodes of its edges. Corner k of a triangle is 3 * triangle +
+/// k; the edge of a corner is the one opposite it.
 class Sheets {
  public:
   Sheets(const std::vector<Point3>& points, const std::vector<SheetTriangle>& triangles, const std::vector<Edge>& lines,
@@ -94,6 +96,7 @@ class Sheets {
   Index vertex(Index corner) const { return span_of(triangles_)[corner / 3].vertices[to_size_t(corner % 3)]; }
   static Index next(Index corner) { return corner - corner % 3 + (corner + 1) % 3; }
   Edge edge_of(Index corner) const { return ascending(vertex(next(corner)), vertex(next(next(corner)))); }
+  /// The corner with the same edge in the other triangle, or kFeature.
   Index across(Index corner) const { return span_of(across_)[corner]; }
   bool is_flat(Index triangle) const { return span_of(flat_)[triangle] != 0; }
   Vec3 area_vector(Index t) const {
@@ -124,8 +127,8 @@ class Sheets {
     }
   }
 
-  /// The corners at the vertex of a corner that can be reached over edges that are no features. Marks them as done,
-  /// which are those of other sectors.
+  /// The sector of a corner: the corners at its vertex that can be reached across edges that are no features. Marks
+  /// them in `is_done`.
   std::vector<Index> sector(Index corner, std::vector<std::uint8_t>& is_done) const {
     std::vector<Index> corners{corner};
     span_of(is_done)[corner] = 1;
@@ -273,8 +276,8 @@ class Sheets {
   }
 
   /// The vector from the midpoint of an edge of a feature line to the point of the polynomial through its vertices and
-  /// those before and behind it, over the length of the chords. A single edge has the least offset that both sheets
-  /// have.
+  /// those before and behind it, over the length of the chords. For an edge without such vertices it is the shortest
+  /// one with the offsets of both sheets along their normals.
   Vec3 offset_on_line(const Edge& edge, const std::vector<Index>& corners) const {
     const Vec3 p = at(edge[0]);
     const Vec3 q = at(edge[1]);

@@ -14,7 +14,8 @@ using Row = std::array<double, kUnknowns>;
 /// A pivot below this part of its diagonal entry counts as zero.
 constexpr double kMinPivot = 1e-6;
 
-/// Solves a symmetric positive definite system by Cholesky's method. Returns false where it is singular.
+/// Solves a symmetric positive definite system, given by its lower triangle, by Cholesky's method. `x`: the right-hand
+/// side before, the solution after. Returns false where the matrix is singular.
 bool solve(std::array<Row, kUnknowns> matrix, Row& x) {
   for (std::size_t i = 0; i < kUnknowns; ++i) {
     const double diagonal = matrix[i][i];

@@ -9,7 +9,7 @@
 namespace tetune {
 namespace {
 
-/// The position of the center of a box along the curve through the cube of the side `side` at `corner`.
+/// The position of the center of a box along the Hilbert curve through the cube of edge length `side` at `corner`.
 std::uint64_t curve_position(const Box& box, const Vec3& corner, double side) {
   const Vec3 center = 0.5 * (box.low + box.high);
   const auto cell = [side](double x, double from) {

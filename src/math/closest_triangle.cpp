@@ -18,7 +18,7 @@ Hit closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return {q, dot(p - q, p - q)};
 }
 
-/// Within the prism over the triangle its plane is closest, elsewhere one of its edges.
+/// Within the prism over the triangle the closest point is the projection on its plane, elsewhere it is on an edge.
 Hit closest_on_triangle(const Vec3& p, const TrianglePoints& t) {
   const Vec3 e1 = t[1] - t[0];
   const Vec3 e2 = t[2] - t[0];

@@ -10,8 +10,8 @@
 #include "math/angle.hpp"
 
 /// Elementary functions with the same bits on every platform; those of C libraries differ in the last one. Results are
-/// rounded from about 100 bits, and so are the nearest doubles but for near ties. Made of additions, multiplications,
-/// divisions and square roots, which IEEE 754 defines to the bit. No code of kernels.
+/// rounded from about 100 bits, and so are the nearest doubles but for near ties. They consist of additions,
+/// multiplications, divisions and square roots, which IEEE 754 defines to the bit. For the host, not for kernels.
 namespace tetune::elementary {
 
 /// The unevaluated sum of two doubles, the second at most half a unit in the last place of the first (Dekker 1971).
@@ -27,13 +27,14 @@ inline DoubleDouble fast_sum(double high, double low) {
   const double sum = high + low;
   return {sum, low - (sum - high)};
 }
-/// a + b, exactly.
+/// a + b, exactly (Knuth's two-sum).
 inline DoubleDouble sum(double a, double b) {
   const double s = a + b;
   const double b_part = s - a;
   return {s, (a - (s - b_part)) + (b - b_part)};
 }
-/// a * b, exactly, in the absence of overflow and underflow. Without fused multiply-adds, which some processors lack.
+/// a * b, exactly, in the absence of overflow and underflow (Dekker 1971): without fused multiply-adds, which some
+/// processors lack.
 template <class Real>
 TETUNE_INLINE DoubleDoubleT<Real> product(Real a, Real b) {
   constexpr double kSplitter = 134217729;  // 2^27 + 1
@@ -111,8 +112,8 @@ inline double repeated_square(double x, int log2_power) {
   return power.high;
 }
 
-/// Halley's method from the exponent divided by three, and a step of Newton's with an exact residual. Of a normal
-/// number or 0; Real is double or a pack of doubles.
+/// The cube root of a normal number or 0, by Halley's method from the exponent divided by three, and a step of Newton's
+/// with an exact residual. Real is double or a pack of doubles.
 template <class Real>
 TETUNE_INLINE Real cbrt(Real x) {
   constexpr std::uint64_t kBias = 0x2a9f7893'00000000;  // two thirds of the bias of exponents, with the mean error

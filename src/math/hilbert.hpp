@@ -7,9 +7,10 @@
 
 namespace tetune {
 
-/// The grid of the curve has kHilbertCells cells per axis.
+/// The bits of a coordinate of a cell, and of the position along the curve.
 inline constexpr int kHilbertBitsPerAxis = 16;
 inline constexpr int kHilbertBits = 3 * kHilbertBitsPerAxis;
+/// The number of cells of the grid along each axis.
 inline constexpr double kHilbertCells = 1 << kHilbertBitsPerAxis;
 
 /// Moves bit i of a number below kHilbertCells to bit 3 i.

@@ -9,7 +9,7 @@
 namespace tetune {
 
 /// A constant table of small numbers packed into one word, kBits bits per entry. Reading an entry is a shift and a mask
-/// without a memory access, in host and device code alike. To be declared constexpr inside a function.
+/// without a memory access, in host and device code alike. Declare it constexpr inside a function.
 template <int kBits>
 struct PackedTable {
   std::uint64_t bits = 0;

@@ -64,15 +64,15 @@ template <class Stop>
 TETUNE_HD TETUNE_INLINE EdgeStar edge_star(const MeshView& mesh, int max_ring, Index t, int edge, const Stop& stop) {
   EdgeStar s;
   EdgeCorners e = edge_corners(edge);
-  const FaceAdjacency links = mesh.tet2tet[t];
+  const FaceAdjacency across = mesh.tet2tet[t];
   const Tet tet = mesh.tet2vertex[t];
   if (tet[e.j] < tet[e.i]) e = {e.j, e.i, e.l, e.k};
   // Walks around the edge, from (a, k, l, b) across the face opposite k, until the tetrahedron opposite l.
   s.ring[0] = tet[e.k];
   s.tets[0] = t;
-  const Index last = tet_of(links[e.l]);
+  const Index last = tet_of(across[e.l]);
   int n = 1;
-  for (EdgeWalk walk{tet[e.l], links[e.k]};;) {
+  for (EdgeWalk walk{tet[e.l], across[e.k]};;) {
     if (n == max_ring) return s;
     s.ring[n] = walk.next_vertex;
     s.tets[n] = walk.tet();

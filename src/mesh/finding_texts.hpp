@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "mesh/messages.hpp"
 #include "tetune/validate.hpp"
 
 /// Parts of the messages on findings.
 namespace tetune {
 
-/// What is known of an index out of range beyond its element: ": index 5, but there are 5 vertices (0 to 4)".
+/// The part of a message on an index out of range: ": index 5, but there are 5 vertices (0 to 4)".
 inline std::string text_of(const BadIndex& bad, bool one_based) {
   const int first = one_based ? 1 : 0;
   std::string text = ": index " + std::to_string(bad.index + first);
@@ -24,9 +24,7 @@ inline std::string text_of(const BadIndex& bad, bool one_based) {
 
 /// "; the largest coordinate is 1e+200, of vertex 5, which may be wrong".
 inline std::string text_of(const LargestCoordinate& largest, bool one_based) {
-  char value[32];
-  std::snprintf(value, sizeof value, "%.6g", largest.value);
-  return std::string("; the largest coordinate is ") + value + ", of vertex " +
+  return "; the largest coordinate is " + short_text(largest.value) + ", of vertex " +
          std::to_string(std::int64_t(largest.vertex) + (one_based ? 1 : 0)) + ", which may be wrong";
 }
 

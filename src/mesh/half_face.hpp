@@ -23,7 +23,8 @@ TETUNE_HD TETUNE_INLINE bool is_locked(HalfFace half_face) { return (half_face &
 TETUNE_HD TETUNE_INLINE Index tet_of(HalfFace half_face) { return static_cast<Index>((half_face & ~kLocked) >> 2); }
 TETUNE_HD TETUNE_INLINE int face_of(HalfFace half_face) { return static_cast<int>(half_face & 3U); }
 
-/// Whether a locked face is listed for tetrahedron t: each once, for the only one at it or the lower slot.
+/// Whether a list of locked faces, each once, has that of tetrahedron t: a face on the boundary, or one whose other
+/// tetrahedron is in a higher slot.
 TETUNE_HD inline bool lists_locked_face(Index t, HalfFace across) {
   return across == kNoHalfFace || (is_locked(across) && t < tet_of(across));
 }

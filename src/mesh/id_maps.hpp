@@ -22,12 +22,12 @@ inline std::vector<Index> identity_map(std::size_t size) {
   return ids;
 }
 
-/// The map of a report with all entries; `size`: those of the result.
+/// The map of a report with all entries; `size`: their number.
 inline std::vector<Index> explicit_map(const std::vector<Index>& new2original, std::size_t size) {
   return new2original.empty() ? identity_map(size) : new2original;
 }
 
-/// The inverse of explicit_map().
+/// The map for a report: empty where it is the identity on all `originals`, as explicit_map() reads it.
 inline std::vector<Index> unless_all(std::vector<Index> new2original, std::size_t originals) {
   Index next = 0;
   const bool in_order =
@@ -41,7 +41,7 @@ inline Index original_of(const std::vector<Index>& new2original, Index i) {
   return new2original.empty() ? i : span_of(new2original)[i];
 }
 
-/// The map of a report from a result to the input, over the mesh between.
+/// The composition of two maps of reports: from a result to an intermediate mesh, and from that to the input.
 inline std::vector<Index> compose(std::vector<Index> between2input, std::vector<Index> result2between) {
   if (between2input.empty()) return result2between;
   if (result2between.empty()) return between2input;
@@ -49,7 +49,7 @@ inline std::vector<Index> compose(std::vector<Index> between2input, std::vector<
   return result2between;
 }
 
-/// The map in the other direction; `size`: the number of entities of the latter numbering.
+/// The map in the other direction; `size`: the number of entities of the numbering `to`.
 inline std::vector<Index> inverse_map(const std::vector<Index>& from2to, std::size_t size) {
   std::vector<Index> to2from(size, -1);
   Index from = 0;
@@ -77,7 +77,7 @@ std::vector<Index> translated_ids(std::vector<Index> ids, const std::vector<Id>&
   return ids;
 }
 
-/// The values of some entities.
+/// The values of the entities with these ids.
 template <class T, class Ids>
 std::vector<T> gather_entries(const std::vector<T>& values, const Ids& ids) {
   std::vector<T> gathered;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backend/span.hpp"
+#include "mesh/messages.hpp"
 #include "mesh/periodic.hpp"
 #include "mesh/validate_arrays.hpp"
 #include "tetune/error.hpp"
@@ -59,12 +60,11 @@ class FaceVertices {
 };
 
 [[noreturn]] void fail_to_match(const TetMesh& mesh, Index v, std::size_t axis, std::size_t unmatched) {
-  const Point3& p = span_of(mesh.points)[v];
   const std::string name(1, "xyz"[axis]);
   throw MeshError("periodic in " + name + ": " + std::to_string(unmatched) +
                   " vertices on the faces of smallest and largest " + name +
-                  " have no vertex opposite; the first is vertex " + std::to_string(v + 1) + " (counted from 1) at " +
-                  std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) +
+                  " have no vertex opposite; the first is vertex " + std::to_string(v + 1) + " (counted from 1) " +
+                  place_text(span_of(mesh.points)[v]) +
                   ". The mesh must be a box whose opposite faces have the same vertices: mesh one as a copy of the "
                   "other, or list the pairs in a file");
 }

@@ -13,7 +13,7 @@ struct MatchedEdge {
   std::array<Index, 2> vertices{};  ///< in ascending order
   /// The model's edge, or the face of all triangles at the edge; kNoEntity where it is neither.
   GeometryEntity entity{};
-  std::array<std::int32_t, 2> faces{};  ///< of the triangles at the edge, the first two; 0: none
+  std::array<std::int32_t, 2> faces{};  ///< of the triangles at the edge, the two smallest numbers; 0: none
 };
 
 /// The edges of all triangles, sorted by their vertices.

@@ -33,10 +33,17 @@ inline void append_first_ids(const std::vector<Index>& ids, bool one_based, std:
   text += ")";
 }
 
-/// The same as a text.
+/// As append_first_ids(), as a text of its own.
 inline std::string first_ids(const std::vector<Index>& ids, bool one_based) {
   std::string text;
   append_first_ids(ids, one_based, text);
+  return text;
+}
+
+/// A number as a part of a message, with six digits: "1e-07".
+inline std::string short_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
   return text;
 }
 

@@ -32,14 +32,14 @@ double best_shift(const PeriodicLink& link, const std::vector<Point3>& points, s
   candidates.insert(candidates.end(),
                     {0.0, difference, std::nextafter(difference, -kInfinity), std::nextafter(difference, kInfinity)});
   double best = difference;
-  std::int64_t most = -1;
+  std::int64_t max_exact = -1;
   for (const double shift : candidates) {
     if (!(std::fabs(shift - difference) <= tolerance)) continue;
     const std::int64_t exact = std::count_if(link.pairs.begin(), link.pairs.end(), [&](const auto& pair) {
       return span_of(points)[pair[1]][k] + shift == span_of(points)[pair[0]][k];
     });
-    if (exact > most) {
-      most = exact;
+    if (exact > max_exact) {
+      max_exact = exact;
       best = shift;
     }
   }

@@ -7,8 +7,8 @@
 
 namespace tetune {
 
-/// A set of at most kCapacity ids, which one thread changes; each id has a position, in the order of insertion. Found
-/// by open addressing with linear probing (Knuth, "The Art of Computer Programming", vol. 3, sec. 6.4).
+/// A set of at most kCapacity ids, which one thread changes; each id has a position, in the order of insertion. A hash
+/// table with open addressing and linear probing (Knuth, "The Art of Computer Programming", vol. 3, sec. 6.4).
 template <int kCapacity>
 class SmallSet {
  public:

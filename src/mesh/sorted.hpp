@@ -13,20 +13,20 @@
 /// Lists in increasing order.
 namespace tetune {
 
-/// Sorts, and leaves one of equal items.
+/// Sorts items, and keeps one of equal ones.
 template <class T>
 void sort_unique(std::vector<T>& items) {
   std::sort(items.begin(), items.end());
   items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 
-/// Whether an increasing list has an item.
+/// Whether an increasing list contains an item.
 template <class T>
 bool is_listed(const std::vector<T>& increasing, const std::type_identity_t<T>& item) {
   return std::binary_search(increasing.begin(), increasing.end(), item);
 }
 
-/// Removes the items that an increasing list has.
+/// Removes the items that an increasing list contains.
 template <class T>
 void erase_listed(std::vector<T>& items, const std::vector<T>& increasing) {
   std::erase_if(items, [&](const T& item) { return is_listed(increasing, item); });

@@ -43,7 +43,7 @@ FaceKey key_of(const TetMeshView& mesh, HalfFace half_face) {
   return face_key(mesh.tet(tet_of(half_face)), face_of(half_face));
 }
 
-/// Hashes of the faces of a tetrahedron, so that those of the two half-faces of a face inside a region cancel.
+/// Hashes of the faces of a tetrahedron whose signed values cancel for the two half-faces of a face inside a region.
 class FaceHashes {
  public:
   FaceHashes(const Tet& tet, int region) : region_(mix_bits(std::uint32_t(region)) | 1) {
@@ -104,7 +104,8 @@ class SurfaceFilter {
   }
 
  private:
-  /// Calls add(i, sums) for each i in [0, n), on one thread at a time for the same sums, and returns the total of all.
+  /// Calls add(i, sums) for each i in [0, n), with `sums` that no other thread changes, and returns the total of all
+  /// sums.
   template <class Add>
   std::vector<std::uint64_t> sum_up(Size n, Size size, const Add& add) const {
     constexpr Size kMaxParts = 8;
@@ -139,8 +140,8 @@ class SurfaceFilter {
     const FaceHashes faces = hashes(t);
     unsigned found = 0;
     for (int f = 0; f < 4; ++f) {
-      const bool may_be = has_surface_vertices(view_.tet(t), f) && span_of(at_faces_)[slot_of(faces.key(f))] != 0;
-      if (may_be) found |= 1U << f;
+      const bool is_candidate = has_surface_vertices(view_.tet(t), f) && span_of(at_faces_)[slot_of(faces.key(f))] != 0;
+      if (is_candidate) found |= 1U << f;
     }
     return found;
   }
@@ -174,8 +175,8 @@ struct SortGroup {
   }
 };
 
-/// Sorts `count` half-faces, each half_face_at(i) for one i: they are grouped by their lowest vertex and sorted within
-/// the groups, which are small.
+/// Sorts the half-faces half_face_at(0) to half_face_at(count - 1): they are grouped by their lowest vertex and sorted
+/// within the groups, which are small.
 template <class HalfFaceAt>
 std::vector<SortedHalfFace> sort_half_faces(const TetMeshView& mesh, Size count, const HalfFaceAt& half_face_at,
                                             const backend::Cpu& cpu) {
@@ -221,7 +222,8 @@ class Neighbors {
 };
 
 /// Returns for each tetrahedron 1 if it has to be turned so that neighbors list their common face in opposite senses
-/// and each connected part has a positive volume. Where no choice is consistent, neighbors keep disagreeing.
+/// and each connected part has a positive volume. Where no choice is consistent, as in a Moebius band, some
+/// neighbors stay inconsistent.
 std::vector<std::uint8_t> find_tets_to_turn(const TetMesh& mesh, int threads) {
   const Neighbors neighbors(mesh, threads);
   constexpr std::uint8_t kUnvisited = 2;

@@ -46,13 +46,14 @@ void for_each_face(const std::vector<SortedHalfFace>& half_faces, const F& f) {
 }
 
 /// Calls f(half_face, is_boundary) for each face of the boundary and between regions, in the order of their vertices,
-/// with one of its half-faces.
+/// with its half-face in the region of the lower tag.
 template <class F>
 void for_each_surface_face(const TetMesh& mesh, int threads, const F& f) {
   for_each_face(half_faces_at_surface(mesh, threads), [&](auto begin, auto end) {
     const auto region = [&](const SortedHalfFace& face) { return span_of(mesh.tet_tags)[face.tet]; };
     const bool is_boundary = end - begin == 1;
-    if (is_boundary || region(begin[0]) != region(begin[1])) f(*begin, is_boundary);
+    if (!is_boundary && region(begin[0]) == region(begin[1])) return;
+    f(is_boundary || region(begin[0]) < region(begin[1]) ? begin[0] : begin[1], is_boundary);
   });
 }
 

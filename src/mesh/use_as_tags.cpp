@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mesh/whole_number.hpp"
+#include "system/real_text.hpp"
 #include "tetune/data.hpp"
 #include "tetune/error.hpp"
 
@@ -30,7 +31,7 @@ std::string names_of(const Data& data) {
 int to_tag(double value) {
   if (std::isnan(value)) return 0;
   if (const std::optional<int> tag = whole_number(value)) return *tag;
-  throw OptionError("it contains " + std::to_string(value));
+  throw OptionError("it contains " + number_text(value));
 }
 
 std::vector<int> to_tags(const DataArray& array) {

@@ -39,7 +39,7 @@ class FindingCollector {
   Finding finding_;
 };
 
-/// Whether all ids are in [0, size); vectorizes, because nearly every array is valid.
+/// Whether all ids are in [0, size). Without an early exit, so that the loop vectorizes: nearly every array is valid.
 bool all_below(Span<const Index> ids, Size size) {
   std::uint32_t max_id = 0;
   for (Size i = 0; i < ids.size(); ++i) max_id = std::max(max_id, static_cast<std::uint32_t>(ids[i]));
@@ -49,17 +49,17 @@ bool all_below(Span<const Index> ids, Size size) {
 /// Describes the first index out of range; requires one.
 BadIndex find_bad_index(Span<const Index> ids, Size size, const std::string& list) {
   BadIndex bad{0, size, list};
-  Index least = ids[0], most = ids[0];
+  Index min_id = ids[0], max_id = ids[0];
   for (Size i = ids.size() - 1; i >= 0; --i) {
-    least = std::min(least, ids[i]);
-    most = std::max(most, ids[i]);
+    min_id = std::min(min_id, ids[i]);
+    max_id = std::max(max_id, ids[i]);
     if (ids[i] < 0 || ids[i] >= size) bad.index = ids[i];
   }
-  bad.from_one = least >= 1 && most == size;
+  bad.from_one = min_id >= 1 && max_id == size;
   return bad;
 }
 
-/// Checks the indices of elements with `per_element` indices each, of entries of a list of this size.
+/// Checks that the ids of elements, `per_element` each, are in [0, size): those of entries of `list`.
 void check_indices(Span<const Index> ids, Size size, const std::string& list, Size per_element,
                    const std::string& where, ValidationReport& report) {
   if (all_below(ids, size)) return;
@@ -82,7 +82,7 @@ void check_elements(const std::vector<std::array<Index, N>>& elements, Size vert
   check_indices({elements.front().data(), Size{N} * std::ssize(elements)}, vertices, "vertices", N, where, report);
 }
 
-/// `expected` is negative where no length would be right.
+/// `expected`: negative where no length would be right.
 void check_length(Size entries, Size expected, const std::string& where, ValidationReport& report) {
   if (entries == expected) return;
   report.findings.push_back({Defect::bad_array_length, entries, {}, where, std::nullopt, expected});
@@ -126,8 +126,8 @@ void check_coordinates(Span<const Point3> points, ValidationReport& report) {
   not_finite.finish(report);
 }
 
-/// Edges of tetrahedra, listed triangles, listed edges and other elements of second order that are in a sorted list: 1
-/// per entry.
+/// For each entry of a sorted list, 1 if it is an edge of a tetrahedron, of a listed triangle or of another element of
+/// second order, or a listed edge.
 std::vector<std::uint8_t> find_edges(const TetMesh& mesh, const std::vector<CurvedEdge>& list) {
   std::vector<std::uint8_t> found(list.size(), 0);
   const auto find = [&](Index a, Index b) {
@@ -255,7 +255,7 @@ void find_bad_faces(const TetMesh& mesh, int threads, ValidationReport& report) 
   add_tets(misoriented, Defect::same_side_of_face, report);
 }
 
-/// The coordinate of the largest size; requires vertices.
+/// The coordinate of the largest absolute value; requires vertices.
 LargestCoordinate largest_coordinate(const TetMesh& mesh) {
   LargestCoordinate largest;
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {

@@ -45,7 +45,7 @@ std::vector<std::uint8_t> vertices_of(const std::vector<AnyTet>& tets, const std
   return marks;
 }
 
-/// Marks the vertices of the tetrahedra that are not marked.
+/// Marks the vertices of the tetrahedra that are not marked. `count`: the number of vertices.
 template <class AnyTet>
 std::vector<std::uint8_t> vertices_of_others(const std::vector<AnyTet>& tets,
                                              const std::vector<std::uint8_t>& tet_marks, std::size_t count) {

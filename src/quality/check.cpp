@@ -17,7 +17,7 @@
 namespace tetune {
 namespace {
 
-/// The numbers of one criterion for a part of the mesh.
+/// The counts and the worst value of one criterion for a part of the mesh.
 struct CriterionSums {
   std::int64_t count = 0, warned = 0, failed = 0;
   double worst = 0;
@@ -86,7 +86,7 @@ class CriterionCounter {
   FailedTets failed_;
 };
 
-/// Whether a measure is of a tetrahedron and those across its faces.
+/// Whether a measure depends on the tetrahedra across the faces too.
 bool is_of_neighbors(CheckMeasure measure) {
   return measure == CheckMeasure::orthogonal_quality || info_of(measure).of_faces;
 }
@@ -167,7 +167,7 @@ class CheckedMesh {
     return dot(n, s.p[face_vertex(f, 0)] - s.p[f]) < 0 ? -1.0 * n : n;
   }
 
-  /// Counts the value of a face, unless it is counted by the tetrahedron across, that of smaller id.
+  /// Counts the value of a face, unless the tetrahedron across has the smaller id, which counts it.
   void add_face(const CriterionCounter& counter, CheckMeasure measure, const TetShape& s, Size t, int f,
                 CriterionSums& sums) const {
     const HalfFace other = across(t, f);

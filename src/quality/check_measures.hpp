@@ -30,7 +30,8 @@ struct Range {
 /// The dihedral angle of the regular tetrahedron, in degrees.
 inline constexpr double kRegularDihedral = 70.528779365509308;
 
-/// The largest deviation of angles from that of a regular shape: 0 for this, 1 for angles of 0 and 180 degrees.
+/// The largest deviation of angles from that of a regular shape, relative: 0 for this shape, 1 for an angle of 0 or 180
+/// degrees.
 inline double angle_skew(const Range& angles, double regular) {
   return std::max((angles.max - regular) / (180 - regular), (regular - angles.min) / regular);
 }
@@ -75,8 +76,8 @@ inline double relative_volume(const TetShape& s) {
   return s.volume > 0 ? 27 * s.volume / (8 * std::numbers::sqrt3 * radius * radius * radius) : 0;
 }
 
-/// The aspect ratio of a triangle: of rectangles about its medians and about the lines between the middles of two
-/// edges, the most stretched one, relative to those of the equilateral triangle.
+/// The aspect ratio of a triangle: the largest one of the rectangles about its medians and about the lines between the
+/// midpoints of two edges, relative to that of the equilateral triangle.
 inline double triangle_aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 corners[3] = {a, b, c};
   const auto stretch = [](double x, double y) { return x > y ? x / y : y / x; };
@@ -86,7 +87,7 @@ inline double triangle_aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c)
     const Vec3 base = corners[(k + 2) % 3] - corners[(k + 1) % 3];
     const double median = norm(corners[k] - corners[(k + 1) % 3] - 0.5 * base);
     const double middle_line = 0.5 * norm(base);
-    // Its sides along and across the line, about the median, and about the line between the middles.
+    // The sides of the rectangle along and across the line: about the median, and about the line between midpoints.
     largest = std::max({largest, stretch(median, area / median), stretch(middle_line, area / middle_line)});
   }
   return largest / std::numbers::sqrt3;

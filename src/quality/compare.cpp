@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "backend/cpu.hpp"
 #include "curved/curved_edges.hpp"
@@ -39,7 +40,7 @@ double relative_change(double before, double after) { return before != 0 ? after
 /// Volumes or areas by tag.
 using SizeByTag = std::map<int, double>;
 
-/// Adds up sizes of items, most of which have the tag of the one before.
+/// Adds up sizes of items by tag. Fast where most items have the tag of the one before.
 class SizeSum {
  public:
   void add(int tag, double size) {
@@ -139,7 +140,7 @@ void compare_surfaces(const TetMesh& before, const TetMesh& after, double scale,
   c.mean_edge = old_surface.mean_edge / scale;
   if (!(old_surface.mean_edge > 0) || new_surface.triangles.empty()) return;
   const std::int64_t samples = std::max(old_surface.sample_count(), new_surface.sample_count());
-  c.sample_stride = max_samples > 0 ? (samples + max_samples - 1) / max_samples : 1;
+  c.sample_stride = max_samples > 0 ? (samples - 1) / max_samples + 1 : 1;
   const LargestDistances new_to_old = max_distances(new_surface, old_surface, c.sample_stride, cpu);
   c.vertices_to_old = new_to_old.vertices / old_surface.mean_edge;
   c.new_to_old = new_to_old.all / old_surface.mean_edge;

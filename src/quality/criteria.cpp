@@ -49,7 +49,8 @@ const std::array<CheckMeasureInfo, kCheckMeasures> kMeasureTable{
     CheckMeasureInfo{M::non_orthogonality, "non_orthogonality_deg", kSmaller, kOfFaces, "degrees"},
     CheckMeasureInfo{M::face_skewness, "face_skewness", kSmaller, kOfFaces, ""}};
 
-/// No volume may be zero or negative: positive ones are at least this, also where they are below the range of doubles.
+/// The limit by which no volume may be zero or negative: check() measures a positive one as at least this, even
+/// where it is below the range of normal doubles.
 constexpr double kSmallestVolume = std::numeric_limits<double>::min();
 /// The solver refuses a determinant, which is six times the volume, below 1e-20.
 constexpr double kCalculixVolume = 1e-20 / 6;

@@ -29,7 +29,7 @@ struct SmallestAngles {
         const ShapePack cosine = -dot(n[i], n[j]);
         const ShapePack square = cosine * cosine / (area2[i] * area2[j]);
         for (int l = 0; l < kShapeLanes; ++l) {
-          // Not a number, where a face is degenerate, must not pass.
+          // The square is NaN where a face is degenerate, which must not pass.
           if (!(cosine[l] <= 0 || square[l] <= cos2[l])) cos2[l] = square[l];
         }
       }
@@ -46,7 +46,7 @@ bool misses_any(const TetShape& shape, const std::vector<Target>& limits) {
 }
 
 /// Finds the tetrahedra of a chunk that miss a limit, where all limits are ones of the smallest dihedral angle and
-/// `degrees` is the largest: those that are not clearly above it are measured.
+/// `degrees`, at most 90, is the largest: those that are not clearly above it are measured.
 void find_small_angles(const TetMeshView& mesh, const std::vector<Target>& limits, double degrees, Size chunk,
                        Span<std::uint8_t> missing) {
   const double cosine = elementary::cos(degrees / kDegreesPerRadian);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <tuple>
+#include <utility>
 
 #include "backend/atomic.hpp"
 #include "curved/surface_distance.hpp"
@@ -33,7 +34,7 @@ std::uint64_t hash_of(const Vec3& p) {
 /// The hash of a triangle, which does not depend on the order of its vertices.
 std::uint64_t hash_of(const TrianglePoints& t) { return mix_bits(hash_of(t[0]) + hash_of(t[1]) + hash_of(t[2])); }
 
-/// Samples with the hash of the vertex or triangle that each is of.
+/// Samples, each with the hash of its vertex or triangle.
 struct HashedSamples {
   std::vector<SurfaceSample> samples;
   std::vector<std::uint64_t> hashes;
@@ -44,8 +45,8 @@ struct HashedSamples {
   }
 };
 
-/// One in `stride` of the vertices, and of the midpoints of edges and triangles. Of the triangles at an edge at least
-/// one lists it in increasing order of its end points.
+/// One in `stride` of the vertices, of the midpoints of edges, and of the centroids of triangles. Of the triangles at
+/// an edge at least one lists it in increasing order of its end points, as their orientation is consistent.
 HashedSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
   HashedSamples sampled;
   for (Size i = 0; i < std::ssize(surface.vertices); i += stride) {
@@ -72,14 +73,14 @@ HashedSamples sample_surface(const MeshSurface& surface, std::int64_t stride) {
   return sampled;
 }
 
-/// A set of hashes, of which those are marked that another set has too.
+/// A set of hashes with a mark for each, for those that another set has too.
 class MarkedHashes {
  public:
   explicit MarkedHashes(const std::vector<std::uint64_t>& hashes)
       : mask_(std::bit_ceil(2 * hashes.size() + 1) - 1), slots_(mask_ + 1, kEmpty), marks_(mask_ + 1, 0) {
     for (const std::uint64_t hash : hashes) slots_[slot_of(hash)] = hash;
   }
-  /// Marks a hash of the set if it is in it. May be called concurrently.
+  /// Marks a hash if it is in the set. May be called concurrently.
   void mark(std::uint64_t hash) {
     const std::size_t slot = slot_of(hash);
     if (slots_[slot] == hash) backend::store_shared(marks_[slot], std::uint8_t{1});
@@ -130,7 +131,8 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads) {
   Size boundary_faces = 0;
   const QuadraticTriangles quadratic(mesh.points, mesh.curved_edges);
   for_each_surface_face(mesh, threads, [&](const SortedHalfFace& face, bool is_boundary) {
-    const std::array<Index, 3>& v = face.vertices;
+    std::array<Index, 3> v = face.vertices;
+    if (face.odd) std::swap(v[1], v[2]);
     const TrianglePoints triangle{positions.position(v[0]), positions.position(v[1]), positions.position(v[2])};
     for (std::size_t k = 0; k < 3; ++k) {
       char& seen = span_of(on_surface)[v[k]];

@@ -18,6 +18,7 @@ struct MeshSurface {
     Vec3 point;
     Size triangle;  ///< one of those at it
   };
+  /// Oriented outward from the region of the lower tag, so that each edge is listed in both directions.
   std::vector<TrianglePoints> triangles;
   /// The ids of the vertices of each; empty where edges are curved.
   std::vector<std::array<Index, 3>> ids;
@@ -36,10 +37,10 @@ MeshSurface find_surface(const TetMesh& mesh, double scale, int threads);
 /// Area of a triangle.
 double area_of(const TrianglePoints& triangle);
 
-/// The largest distances of one in `stride` of the vertices, and of the midpoints of edges and triangles, of a surface
-/// from another one that is not empty. A vertex or a triangle that both surfaces have, in all bits, is at no distance.
-/// Takes the least time where both meshes have the same number of vertices, and each vertex is near that of the same
-/// id.
+/// The largest distances of one in `stride` of the vertices, of the midpoints of edges, and of the centroids of
+/// triangles of a surface from another one that is not empty. A vertex or a triangle that both surfaces have, in all
+/// bits, is at no distance. Takes the least time where both meshes have the same number of vertices, and each vertex is
+/// near that of the same id.
 LargestDistances max_distances(const MeshSurface& from, const MeshSurface& to, std::int64_t stride,
                                const backend::Cpu& cpu);
 

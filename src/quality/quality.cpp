@@ -26,10 +26,6 @@ constexpr int kBinsPerDegree = 100;
 constexpr int kBins = 180 * kBinsPerDegree + 1;
 static_assert(6 * std::int64_t{kMaxTets} <= std::numeric_limits<std::uint32_t>::max());
 
-/// Each chunk has bins of its own, which cost as much time as some hundred tetrahedra.
-Size chunk_count(Size tets) { return shape_chunk_count(tets); }
-Size chunk_begin(Size tets, Size chunk) { return shape_chunk_begin(tets, chunk); }
-
 bool is_worse(const WorstTet& a, const WorstTet& b) {
   return a.dihedral < b.dihedral || (a.dihedral == b.dihedral && a.tet < b.tet);
 }
@@ -39,7 +35,7 @@ bool is_worse(const WorstTet& a, const WorstTet& b) {
 class MeasureTable {
  public:
   MeasureTable(Size tets, int worst_count)
-      : worst_count_(to_size_t(std::max(0, worst_count))), chunks_(to_size_t(chunk_count(tets))) {
+      : worst_count_(to_size_t(std::max(0, worst_count))), chunks_(to_size_t(shape_chunk_count(tets))) {
     for (auto& column : columns_) column.resize(to_size_t(tets));
   }
 
@@ -54,15 +50,16 @@ class MeasureTable {
       e.max = std::max(e.max, m[k]);
       e.sum += m[k];
     }
-    insert_worst(c.worst, {to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}});
+    add_to_worst(c.worst, {to_index(t), value(m, Measure::min_dihedral), value(m, Measure::harmonic), {}});
   }
 
   /// Writes Quality::measures and Quality::worst. Reorders the table: called once, last.
   void summarize(const TetMeshView& mesh, const backend::Cpu& cpu, Quality& quality) {
     cpu.for_parts(kMeasures, [&](Size k) { summarize_measure(to_size_t(k), quality.measures[to_size_t(k)]); });
     for (const Chunk& chunk : chunks_) {
-      for (const WorstTet& tet : chunk.worst) insert_worst(quality.worst, tet);
+      for (const WorstTet& tet : chunk.worst) add_to_worst(quality.worst, tet);
     }
+    std::sort_heap(quality.worst.begin(), quality.worst.end(), is_worse);
     for (WorstTet& worst : quality.worst) worst.centroid = mesh.centroid(worst.tet);
   }
 
@@ -72,13 +69,20 @@ class MeasureTable {
   };
   struct Chunk {
     std::array<Extent, kMeasures> extents;
-    std::vector<WorstTet> worst;
+    std::vector<WorstTet> worst;  ///< a heap
   };
 
-  /// Inserts a tetrahedron into a sorted list of the worst ones.
-  void insert_worst(std::vector<WorstTet>& worst, const WorstTet& tet) const {
-    worst.insert(std::upper_bound(worst.begin(), worst.end(), tet, is_worse), tet);
-    if (worst.size() > worst_count_) worst.pop_back();
+  /// Adds a tetrahedron to a heap of the worst ones, whose front is the best of them.
+  void add_to_worst(std::vector<WorstTet>& heap, const WorstTet& tet) const {
+    if (heap.size() < worst_count_) {
+      heap.push_back(tet);
+    } else if (!heap.empty() && is_worse(tet, heap.front())) {
+      std::pop_heap(heap.begin(), heap.end(), is_worse);
+      heap.back() = tet;
+    } else {
+      return;
+    }
+    std::push_heap(heap.begin(), heap.end(), is_worse);
   }
 
   void summarize_measure(std::size_t measure, MeasureSummary& summary) {
@@ -145,8 +149,8 @@ struct MeasureChunk {
 
   QualitySums operator()(Size chunk, Span<std::uint32_t> bins) const {
     QualitySums sums;
-    const Size begin = chunk_begin(mesh.tets.size(), chunk);
-    const Size end = chunk_begin(mesh.tets.size(), chunk + 1);
+    const Size begin = shape_chunk_begin(mesh.tets.size(), chunk);
+    const Size end = shape_chunk_begin(mesh.tets.size(), chunk + 1);
     for (Size first = begin; first < end; first += kLanes) {
       const TetShapeT<Pack> shapes = load_shapes(mesh, first, end - 1);
       const Pack etas = shapes.eta();
@@ -219,13 +223,14 @@ Quality measure_mesh(const TetMesh& mesh, int threads, MeasureTable* table) {
   const double scale = unit_scale(mesh);
   const TetMeshView view(mesh, scale);
   std::vector<double> eta(mesh.tets.size());
-  const Size chunks = chunk_count(q.tets);
+  const Size chunks = shape_chunk_count(q.tets);
   std::vector<QualitySums> chunk_sums(to_size_t(chunks));
   AngleBins bins(kBins, 0);
   std::mutex bins_mutex;
   const backend::Cpu cpu(threads);
   const MeasureChunk measure_chunk{view, span_of(eta), table};
   cpu.for_parts(chunks, [&](Size chunk) {
+    // Bins cost as much time as some hundred tetrahedra, so that chunks are larger.
     AngleBins chunk_bins(kBins, 0);
     span_of(chunk_sums)[chunk] = measure_chunk(chunk, span_of(chunk_bins));
     const std::lock_guard lock(bins_mutex);
@@ -279,7 +284,7 @@ std::vector<Measures> measure_each(const TetMesh& mesh, int threads) {
   const TetMeshView view(mesh, unit_scale(mesh));
   std::vector<Measures> result(mesh.tets.size());
   const Span<Measures> measures = span_of(result);
-  backend::Cpu(threads).for_parts(chunk_count(measures.size()), [&](Size chunk) {
+  backend::Cpu(threads).for_parts(shape_chunk_count(measures.size()), [&](Size chunk) {
     for_each_shape(view, chunk,
                    [&](const TetShapeT<Pack>& shapes, int l, Size t) { measures[t] = all_measures(lane(shapes, l)); });
   });

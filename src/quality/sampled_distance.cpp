@@ -13,8 +13,8 @@
 namespace tetune {
 namespace {
 
-/// The first radius in lengths of an edge, of which most samples are within: a larger one finds more triangles for
-/// each.
+/// The first radius relative to the length of an edge. Most samples are within it; a larger one finds more triangles
+/// for each.
 constexpr double kFirstRadius = 0.1;
 constexpr double kRadiusGrowth = 4;
 constexpr double kMaxScale = 16;
@@ -52,7 +52,8 @@ std::array<TrianglePoints, 2> halves(const TrianglePoints& t) {
 
 /// The samples are in a tree, as they may be fewer than the triangles, and each triangle finds those near it. A
 /// distance is exact once all triangles within the radius of the sample have been measured and one of them is within
-/// it; the other samples are searched again with a larger radius, and the few that are far by a tree of the triangles.
+/// it. The search of the other samples is repeated with a larger radius; that of the few that are far is in a tree of
+/// the triangles.
 class DistanceSearch {
  public:
   DistanceSearch(const std::vector<SurfaceSample>& samples, const std::vector<TrianglePoints>& surface,
@@ -188,10 +189,10 @@ class DistanceSearch {
   }
 
   void measure(Index i, const TrianglePoints& triangle) {
-    std::atomic<double>& least = distance2_[to_size_t(i)];
-    double so_far = least.load(std::memory_order_relaxed);
+    std::atomic<double>& smallest2 = distance2_[to_size_t(i)];
+    double so_far = smallest2.load(std::memory_order_relaxed);
     const double d = distance2(sample(i).point, triangle);
-    while (d < so_far && !least.compare_exchange_weak(so_far, d, std::memory_order_relaxed)) {
+    while (d < so_far && !smallest2.compare_exchange_weak(so_far, d, std::memory_order_relaxed)) {
     }
   }
 

@@ -15,7 +15,7 @@ struct SurfaceSample {
   Vec3 point;
   double radius;  ///< of the first search, a fraction of the size of the triangles there
   bool is_vertex;
-  Index start = -1;  ///< a vertex, likely near, of the other surface; -1: none is known
+  Index start = -1;  ///< a vertex of the other surface that is probably near; -1: none is known
 };
 
 /// The radius of the first search around a point of a triangle.

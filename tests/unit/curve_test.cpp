@@ -213,7 +213,18 @@ TEST(Curve, AFinerMeshOfAnotherPartIsRefused) {
   } catch (const MeshError& error) {
     // The side x = 0 is 0.25 away.
     EXPECT_NE(std::string(error.what()).find("the largest distance is 0.25"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("at 0.0"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("near 0 "), std::string::npos) << error.what();
+  }
+  constexpr double kUnit = 1e-6;
+  TetMesh small = test::scaled(mesh, kUnit);
+  const TetMesh small_finer = test::scaled(finer, kUnit);
+  options.surface = &small_finer;
+  try {
+    curve(small, options);
+    FAIL();
+  } catch (const MeshError& error) {
+    EXPECT_NE(std::string(error.what()).find("the largest distance is 2.5"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("e-07, of vertex"), std::string::npos) << error.what();
   }
   EXPECT_FALSE(mesh.second_order);
   const TetMesh empty;

@@ -193,6 +193,8 @@ TEST(DataAsTags, InvalidDataAreRefusedWithoutChange) {
   refused(sound, "Material", "heat, material");
   refused(sound, "heat", "it contains 0.5");
   TetMesh m = sound;
+  m.tet_data[1] = {"material", 1, std::vector<double>{7, 1e-9}};
+  refused(m, "material", "it contains 1e-09");
   m.tet_data[1] = {"material", 1, std::vector<std::int64_t>{7, std::int64_t{1} << 40}};
   refused(m, "material", "32-bit integer");
   m.tet_data[1] = {"material", 3, std::vector<std::int32_t>{1, 1, 1, 2, 2, 2}};

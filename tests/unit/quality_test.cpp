@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -46,6 +49,21 @@ TEST(Quality, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(q.mean_ratio, one.mean_ratio);
     EXPECT_EQ(q.dihedral_5, one.dihedral_5);
     EXPECT_EQ(q.worst_tet, one.worst_tet);
+  }
+}
+
+TEST(Quality, TheWorstAreTheFirstOfAll) {
+  const TetMesh m = test::cube(7, 0.2);
+  const std::vector<WorstTet> all = measure_all(m, 2, std::numeric_limits<int>::max()).worst;
+  ASSERT_EQ(all.size(), m.tets.size());
+  const auto is_ordered = [](const WorstTet& a, const WorstTet& b) {
+    return a.dihedral < b.dihedral || (a.dihedral == b.dihedral && a.tet < b.tet);
+  };
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), is_ordered));
+  for (const int count : {0, 1, 100}) {
+    const std::vector<WorstTet> worst = measure_all(m, 1, count).worst;
+    ASSERT_EQ(std::ssize(worst), count);
+    for (std::size_t i = 0; i < worst.size(); ++i) EXPECT_EQ(worst[i].tet, all[i].tet);
   }
 }
 
@@ -117,6 +135,16 @@ TEST(Compare, CommonTrianglesHaveNoDistance) {
   EXPECT_EQ(same.vertices_to_old, 0);
   const Comparison renumbered = compare(mesh, test::scrambled(mesh, 5, 2));
   EXPECT_EQ(renumbered.new_to_old, 0);
+}
+
+TEST(Compare, TheNumberOfSamplesHasNoUpperLimit) {
+  const TetMesh before = test::cube(3);
+  TetMesh after = before;
+  for (Point3& p : after.points) p[0] *= 1.5;
+  const Comparison all = compare(before, after);
+  const Comparison limited = compare(before, after, 1, std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(limited.sample_stride, 1);
+  EXPECT_EQ(limited.new_to_old, all.new_to_old);
 }
 
 TEST(Compare, FindsChanges) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "mesh/tet_orientation.hpp"
+#include "quality/mesh_surface.hpp"
 #include "support/meshes.hpp"
 
 namespace tetune {
@@ -90,6 +91,20 @@ TEST(ForEachSurfaceFace, VisitsAllFacesBetweenManyRegions) {
   TetMesh m = test::cube(5, 0.1);
   for (int& tag : m.tet_tags) tag = static_cast<int>(random() % 5) - 2;
   EXPECT_EQ(found_faces(m, 2), expected_faces(m));
+}
+
+/// The midpoint of each edge is a sample of a comparison, taken from a triangle that lists the edge in one direction.
+TEST(FindSurface, ListsEachEdgeInBothDirections) {
+  std::mt19937 random(6);
+  TetMesh regions = test::cube(4, 0.1);
+  for (int& tag : regions.tet_tags) tag = static_cast<int>(random() % 5) - 2;
+  for (const TetMesh& mesh : {test::one_tet(), test::cube(4, 0.2), test::two_materials(4), regions}) {
+    std::set<std::pair<Index, Index>> edges;
+    for (const auto& v : find_surface(shuffled(mesh, random), 1, 1).ids) {
+      edges.insert({{v[0], v[1]}, {v[1], v[2]}, {v[2], v[0]}});
+    }
+    for (const auto& [a, b] : edges) EXPECT_TRUE(edges.contains({b, a}));
+  }
 }
 
 }  // namespace

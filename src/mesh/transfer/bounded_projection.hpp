@@ -9,8 +9,8 @@
 
 namespace tetune {
 
-/// The L2 projection of linear fields on a result of which each value is within those of the input around it, and
-/// which keeps integrals: where the projection exceeds this range, its difference from that with a lumped mass matrix
+/// The L2 projection of linear fields on a result. It keeps integrals, and each value is within the range of those of
+/// the input around it: where the projection exceeds this range, its difference from that with a lumped mass matrix
 /// is limited as in flux-corrected transport (docs/method.md, "Conservative transfer"). Vertices of unchanged
 /// tetrahedra alone keep their values.
 class BoundedProjection {
@@ -25,7 +25,7 @@ class BoundedProjection {
  private:
   void find_vertices();
   void set_couplings();
-  /// Sums the entries of the mass matrix off its diagonal, given that of each changed tetrahedron.
+  /// Assembles the entries of the mass matrix off its diagonal; `entries`: that of each changed tetrahedron.
   void set_rows(const std::vector<double>& entries);
   void gather(Size field, const std::vector<double>& old, const std::vector<double>& result);
   void solve();
@@ -39,7 +39,7 @@ class BoundedProjection {
       visit(span_of(columns_)[k], span_of(couplings_)[k]);
     }
   }
-  /// The product of the mass matrix with x.
+  /// Row i of the product of the mass matrix with x.
   double product(Size i, Span<const double> x) const {
     double sum = span_of(mass_)[i] * x[i];
     for_neighbors(i, [&](Index j, double c) { sum += c * (x[j] - x[i]); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data of vertices that were inserted, between those of their neighbors.
+// Data of vertices that were inserted, interpolated between those of their neighbors.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -113,8 +113,8 @@ void interpolate(std::vector<T>& values, Size components, const std::vector<Sten
   }
 }
 
-/// For each vertex the input vertex that it takes integer values from: itself, or for an inserted vertex the nearest
-/// neighbor, which passes on the input vertex of its own if it was inserted too.
+/// For each vertex the vertex of the input whose integer values it gets: its original, or for an inserted vertex that
+/// of the nearest neighbor, which may have been inserted too.
 std::vector<Index> nearest_originals(std::vector<Index> vertex2original, const std::vector<Stencil>& stencils) {
   for (bool changed = true; changed;) {
     changed = false;

@@ -22,8 +22,8 @@ class TetSearch {
  public:
   explicit TetSearch(const TetMesh& mesh) : view_(mesh, unit_scale(mesh)), tree_(boxes()) {}
 
-  /// The place of a point in the tetrahedron that it is farthest inside, or outside by rounding alone; all weights are
-  /// 0 where there is none.
+  /// The place of a point in the tetrahedron in which its smallest barycentric coordinate is largest. Rounding may make
+  /// that negative. All weights are 0 where no tetrahedron contains the point.
   MeshPlace find(const Point3& p) const {
     // In units of about the size of the mesh.
     constexpr double kReach = 1e-9;

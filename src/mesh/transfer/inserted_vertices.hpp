@@ -35,7 +35,8 @@ struct InsertedVertex {
 /// The vertices of the edge, triangle or tetrahedron on which a place is, but for rounding.
 std::vector<Index> support_of(const MeshPlace& place);
 
-/// Where these vertices of `result` are in a mesh, per vertex of `result`.
+/// The places in a mesh of the vertices of `result` with these ids; an entry per vertex of `result`, with weights 0 for
+/// the others.
 std::vector<MeshPlace> find_places(const TetMesh& mesh, const TetMesh& result, const std::vector<Index>& ids);
 
 /// 1 per vertex of one of the faces. `count`: the number of vertices.

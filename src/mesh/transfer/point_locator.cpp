@@ -8,19 +8,19 @@
 namespace tetune {
 namespace {
 
-/// A coordinate above minus this counts as inside: rounding of the coordinates of a point on a face.
+/// A barycentric coordinate above minus this counts as inside: those of a point on a face have rounding errors.
 constexpr double kInside = 1e-13;
-/// The walk is given up after this number of tetrahedra, as it can run in a circle.
+/// The largest number of steps of the walk, which can run in a circle.
 constexpr int kMaxWalk = 300;
-/// A point that the weights do not reproduce to this part of the longest edge is elsewhere: in a tetrahedron that is
-/// flat to rounding they are noise.
+/// Weights that do not reproduce a point to this part of the longest edge are rejected: in a tetrahedron that is flat
+/// to rounding they are noise.
 constexpr double kPlaceRounding = 1e-10;
-/// The search around the start is given up after this number of tetrahedra: the point is outside, or far.
+/// The largest number of tetrahedra that are searched around the start.
 constexpr std::size_t kMaxSearch = 2000;
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(cross(b - a, c - a), d - a); }
 
-/// The largest weight for the vertex nearest to the point.
+/// The weight 1 for the vertex nearest to the point.
 std::array<double, 4> nearest_corner(const Vec3& p, const std::array<Vec3, 4>& x) {
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < 4; ++k) {
@@ -111,7 +111,7 @@ bool PointLocator::touches(const Hit& hit) const {
   return hit.distance2 <= kPlaceRounding * kPlaceRounding * longest2;
 }
 
-/// Breadth first through faces. `is_complete` becomes false where the search is given up.
+/// Breadth-first search through faces. `is_complete` becomes false where it ends at kMaxSearch.
 PointLocator::Hit PointLocator::search(const Vec3& p, Index slot, bool& is_complete) const {
   std::vector<Index> queue{slot};
   std::unordered_set<Index> seen{slot};
@@ -145,7 +145,7 @@ void PointLocator::build_tree() const {
 /// The tetrahedron that contains the point, wherever it is. If there is none, the closest one of all, but the known one
 /// where the walk has ended at the surface: others may be across a gap.
 PointLocator::Hit PointLocator::look_up(const Vec3& p, const Hit& known, bool is_outside) const {
-  std::call_once(needs_tree_, [this] { build_tree(); });
+  std::call_once(is_tree_built_, [this] { build_tree(); });
   Hit best = known;
   tree_->for_meeting(Box{p, p}, [&](Index i) {
     if (best.distance2 == 0) return;

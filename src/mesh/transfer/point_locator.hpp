@@ -28,9 +28,9 @@ class PointLocator {
   const HostMesh& mesh() const { return mesh_; }
   /// Whether a vertex is one of a tetrahedron.
   bool has_tet(Index vertex) const { return vertex < std::ssize(vertex2tet_) && span_of(vertex2tet_)[vertex] >= 0; }
-  /// The tetrahedron that contains `p`; for a point outside the mesh the closest point of those around `start`, a
-  /// vertex of a tetrahedron, or of all where the way to it is long. The search takes a time proportional to the number
-  /// of tetrahedra between it and `p`, up to a limit.
+  /// The place of `p` in the tetrahedron that contains it. For a point outside the mesh, that of the closest point of
+  /// the tetrahedra around `start`, a vertex of a tetrahedron, or of all tetrahedra where it is far from there. The
+  /// time is proportional to the number of tetrahedra between `start` and `p`, up to a limit.
   TetPoint locate(const Vec3& p, Index start) const;
 
  private:
@@ -48,8 +48,9 @@ class PointLocator {
 
   HostMesh mesh_;
   std::vector<Index> vertex2tet_;  ///< a slot with the vertex, or -1
-  /// Over all tetrahedra, for points that are far from their start; most meshes have none.
-  mutable std::once_flag needs_tree_;
+  /// Over all tetrahedra, for points that are far from their start. Built on demand, as most meshes have no such
+  /// points.
+  mutable std::once_flag is_tree_built_;
   mutable std::optional<BoxTree> tree_;
   mutable std::vector<Index> tree2slot_;
 };

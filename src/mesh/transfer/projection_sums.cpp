@@ -78,8 +78,8 @@ void ProjectionSums::complete(const TetOverlaps& overlaps) {
   }
   for (const Pair& pair : partial) {
     for (std::size_t j = 0; j < 4; ++j) {
-      const double wanted = span_of(overlaps.old_volumes)[pair.old] / 4;
-      const double factor = wanted / span_of(sums)[pair.old][j] - 1;
+      const double full = span_of(overlaps.old_volumes)[pair.old] / 4;
+      const double factor = full / span_of(sums)[pair.old][j] - 1;
       add_vertex(pair.entry, meshes_.old_tets[pair.old][j],
                  column(pair.common, j, factor * span_of(volumes_)[pair.entry]));
     }

@@ -20,8 +20,8 @@ class ProjectionSums {
   void begin(const std::vector<Index>& tets);
   void add(Size entry, Index old, const TetOverlap& common);
 
-  /// Accounts for what the result does not cover, or covers twice: the integral of each basis function of the input
-  /// over a tetrahedron of it is distributed in full.
+  /// Accounts for the parts of the input that the result does not cover, or covers twice: scales the contributions so
+  /// that each basis function of the input contributes its integral over each tetrahedron in full.
   void complete(const TetOverlaps& overlaps);
 
   double mass(Size entry, Size corner) const { return span_of(mass_)[4 * entry + corner]; }

@@ -38,7 +38,7 @@ std::vector<Index> find_unchanged(const TransferMeshes& meshes) {
   return same;
 }
 
-/// The tetrahedra of the input that are not in the result.
+/// The tetrahedra of the input that are not in the result unchanged.
 std::vector<Index> changed_old(const TransferMeshes& meshes) {
   std::vector<std::uint8_t> is_same(to_size_t(meshes.old_tets.size()), 0);
   for (const Index t : meshes.tet2same) {
