@@ -49,9 +49,7 @@ inline std::string short_text(double value) {
 
 /// A position as a part of a message: "near 0.5 -2 1e+06".
 inline std::string place_text(const Point3& p) {
-  char text[64];
-  std::snprintf(text, sizeof text, "near %.6g %.6g %.6g", p[0], p[1], p[2]);
-  return text;
+  return "near " + short_text(p[0]) + " " + short_text(p[1]) + " " + short_text(p[2]);
 }
 
 }  // namespace tetune

@@ -103,10 +103,7 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, c
   const auto removed = [&] { return net_removed(report) - removed_before; };
   const auto max_removed = static_cast<std::int64_t>(p.max_removed * static_cast<double>(report.vertices));
   double energy = 0;
-  optimizer.timer.measure(Phase::worst, [&] {
-    energy =
-        refresh_energy(optimizer.backend, optimizer.work.mesh, {criterion.objective}, optimizer.work.flips.energies);
-  });
+  optimizer.timer.measure(Phase::worst, [&] { energy = optimizer.sum_energy(criterion.objective); });
   lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {

@@ -49,8 +49,12 @@ class Optimizer {
   double in_callers_unit(double energy) const { return unit_ * energy; }
   /// The energy of each slot, as last computed.
   Span<const double> slot_energies() const { return std::as_const(work.flips.energies).span(); }
-  void sum_energy(const Objective& objective) {
-    set_energy(refresh_energy(backend, work.mesh, {objective}, work.flips.energies));
+  /// Computes the energies of all slots. Returns their sum, which becomes the energy of the mesh unless the objective
+  /// is a power or a root of the shape energy.
+  double sum_energy(const Objective& objective) {
+    const double sum = refresh_energy(backend, work.mesh, {objective}, work.flips.energies);
+    if (objective.log2_power == 0) set_energy(sum);
+    return sum;
   }
   void set_energy(double sum) { energy_ = last_sum_ = sum; }
   /// Subtracts the decrease by one step.

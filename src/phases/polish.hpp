@@ -38,7 +38,7 @@ bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const Qua
       if (sweep > p.sweeps_with_flips) return;
       optimizer.release_rings();
       if (sweep == 1) {
-        refresh_energy(backend, work.mesh, {criterion.objective}, work.flips.energies);
+        optimizer.sum_energy(criterion.objective);
         activate_all(backend, work.mesh, criterion, work.flips);
       } else {
         activate_drifted(backend, work.mesh, criterion, work.flips);
