@@ -148,7 +148,8 @@ concept Backend = requires(const B& backend, Size n, Span<std::uint32_t> out, Sp
   { backend.compact(n, concept_detail::AnyPredicate{}, ids) } -> std::same_as<Size>;
   /// Calls place(i, k, sum of f(j) over the first k of these j) for each i in [0, n) with keep(i), where k is the
   /// number of those below i; returns the number and the sum of all. place(i, ...) may be called before keep(j) for
-  /// other j, and may write what keep(j) and f(j) read, if their results stay the same.
+  /// other j, and may write what keep(j) and f(j) read, if their results stay the same. Both items of a pair, 2 m and
+  /// 2 m + 1, are evaluated before one of them is placed.
   {
     backend.compact_and_sum(n, concept_detail::AnyPredicate{}, concept_detail::Weight{},
                             concept_detail::PlaceKeptItem{})

@@ -104,6 +104,7 @@ __global__ void __launch_bounds__(kThreads)
   using Value = typename F::Value;
   using T = SumOf<Value>;
   constexpr int kWarps = kThreads / Warp::kSize;
+  static_assert(kThreads % 2 == 0, "a tile has both items of a pair, see compact_and_sum() in backend/concept.hpp");
   __shared__ alignas(16) unsigned char storage[sizeof(T) * (kMaxRows * kWarps + 1)];
   __shared__ unsigned tile;
   T* sums = reinterpret_cast<T*>(storage);    // of each row and warp; then of those before in the tile

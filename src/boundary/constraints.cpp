@@ -61,22 +61,22 @@ void find_edges(const TetMesh& mesh, Constraints& constraints) {
                       std::back_inserter(constraints.edges));
 }
 
-/// Calls hold(vertex) for the ends and junctions of a set of edges, each of which counts once.
-template <class Hold>
-void for_each_end(std::vector<std::array<Index, 2>> edges, const Hold& hold) {
+/// Calls mark(vertex) for the ends and junctions of a set of edges, each of which counts once.
+template <class Mark>
+void for_each_end(std::vector<std::array<Index, 2>> edges, const Mark& mark) {
   sort_unique(edges);
   std::vector<Index> ends;
   for (const auto& edge : edges) ends.insert(ends.end(), edge.begin(), edge.end());
   std::sort(ends.begin(), ends.end());
   for (auto first = ends.begin(); first != ends.end();) {
     const auto last = std::upper_bound(first, ends.end(), *first);
-    if (last - first != 2) hold(*first);
+    if (last - first != 2) mark(*first);
     first = last;
   }
 }
 
 /// Marks ends and junctions of the edges of each named group and of each tag, so that each keeps its extent.
-void hold_ends(const TetMesh& mesh, Span<VertexConstraint> constraints) {
+void mark_line_ends(const TetMesh& mesh, Span<VertexConstraint> constraints) {
   std::vector<std::pair<int, Index>> tag2edge;
   for (Index e = 0; e < std::ssize(mesh.edges); ++e) {
     if (span_of(mesh.edge_tags)[e] != 0) tag2edge.emplace_back(span_of(mesh.edge_tags)[e], e);
@@ -171,7 +171,7 @@ Constraints find_constraints(const TetMesh& mesh, const Options& options) {
     if (options.frozen_vertices[v] != 0) result.vertices[v] = VertexConstraint::frozen;
   }
   for (const ElementBlock& block : mesh.others) freeze(block.element2vertex);
-  hold_ends(mesh, constraints);
+  mark_line_ends(mesh, constraints);
   if (!mesh.periodic.empty()) result.vertices_without_links = result.vertices;
   for (const PeriodicLink& link : mesh.periodic) {
     for (const auto& pair : link.pairs) freeze(pair);

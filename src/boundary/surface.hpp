@@ -229,8 +229,8 @@ struct MatchListed {
   }
 };
 
-/// Locks the faces of constraining triangles inside regions. Both tetrahedra of such a face are in the row of the same
-/// vertex and find the triangle there, so each thread writes only its own side.
+/// Locks the faces of constraining triangles inside regions, on both sides: both tetrahedra of such a face are in the
+/// row of each of its vertices. Several entries of the list may name one face.
 struct LockListed {
   MeshView mesh;
   CsrView vertex2tet;

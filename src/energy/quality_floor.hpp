@@ -106,7 +106,7 @@ struct QualityFloor {
     max_edge_term /= part * part * part;
     update_safe_shape();
   }
-  /// Allows no angle of a larger cost, as of DihedralCots. add_tolerance() is not called again: tolerances would
+  /// Allows no angle of a larger cost (DihedralCots::cost()). Adds no tolerance: over several calls it would
   /// accumulate.
   TETUNE_HD void limit_cost(double cost, double obtuse_weight) {
     limit_angles({cost, obtuse_weight > 0 ? -cost / obtuse_weight : -kInfeasible});

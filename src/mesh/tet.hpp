@@ -41,7 +41,7 @@ inline std::array<Index, 3> ascending_face(const std::array<Index, 4>& tet, std:
 }
 
 /// Local index of vertex k of a face; face i lies opposite vertex i. The vertices of a face are counter-clockwise seen
-/// from inside a positively oriented tetrahedron: (i, face_vertex(i, 0), face_vertex(i, 1), face_vertex(i, 2)) is an
+/// from outside a positively oriented tetrahedron: (i, face_vertex(i, 0), face_vertex(i, 1), face_vertex(i, 2)) is an
 /// even permutation.
 TETUNE_HD TETUNE_INLINE int face_vertex(int face, int k) {
   constexpr PackedTable<2> kFaceVertices({1, 2, 3,  //

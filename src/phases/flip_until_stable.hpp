@@ -22,7 +22,7 @@ class FlipUntilStable {
         criterion_(criterion),
         exhaustive_(optimizer.options.termination == Termination::paper || optimizer.options.max_iterations == 0),
         examines_around_(exhaustive_ && optimizer.options.max_ring > kNeighborRing),
-        boundary_pays_(optimizer.work.boundary.triangles.size() > 0) {}
+        flips_boundary_(optimizer.work.boundary.triangles.size() > 0) {}
 
   /// After a sweep, only tetrahedra above this energy propose flips.
   double min_energy() const {
@@ -62,7 +62,7 @@ class FlipUntilStable {
 
   /// Returns false when the caller cancels.
   bool flip_boundary() {
-    if (!boundary_pays_) return true;
+    if (!flips_boundary_) return true;
     // The pass examines the edges of the vertices that it is given: the active ones. If it flips, exhaustive flips
     // examine all of these again.
     optimizer_.changed.assign(optimizer_.backend, optimizer_.work.dofs.active);
@@ -70,17 +70,17 @@ class FlipUntilStable {
       return boundary_flip_pass(optimizer_.backend, optimizer_.work.mesh, criterion_, optimizer_.work.flips,
                                 optimizer_.work.boundary, optimizer_.changed.output());
     });
-    boundary_pays_ = !pass.gained_little;
+    flips_boundary_ = !pass.gained_little;
     if (pass.flips == 0) clear_changed();
     return !pass.cancelled;
   }
   bool remove_faces() {
-    if (!faces_pay_ || !has_active()) return true;
+    if (!removes_faces_ || !has_active()) return true;
     const Pass pass = measure_pass(Phase::flips, [this] {
       return face_removal_pass(optimizer_.backend, optimizer_.work.mesh, criterion_, optimizer_.work.flips,
                                optimizer_.changed.output());
     });
-    faces_pay_ = !pass.gained_little;
+    removes_faces_ = !pass.gained_little;
     return !pass.cancelled;
   }
 
@@ -132,8 +132,8 @@ class FlipUntilStable {
   int pass_ = 0;
   Size flips_ = 0;
   bool unexamined_flips_ = false;
-  bool boundary_pays_;     ///< false for good once a pass of boundary flips has gained little
-  bool faces_pay_ = true;  ///< likewise for face removals
+  bool flips_boundary_;        ///< false for good once a pass of boundary flips has gained little
+  bool removes_faces_ = true;  ///< likewise for face removals
 };
 
 }  // namespace tetune

@@ -9,7 +9,7 @@ namespace tetune {
 
 /// Lowers an objective over the whole mesh, which work on a few tetrahedra has raised: by inserted and removed vertices
 /// (lower_mean_energy()), then by sweeps, the first ones with flips. No tetrahedron becomes worse than the present
-/// worst, and no angle smaller than `reached` allows. Returns false when the caller cancels.
+/// worst, and no angle goes beyond those that `reached` allows. Returns false when the caller cancels.
 template <class Backend>
 bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const QualityFloor& reached,
             std::int64_t removed_before) {

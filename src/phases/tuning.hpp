@@ -136,7 +136,7 @@ struct AngleParameters {
   double tied_cost = 1.3;
   /// The costs within this fraction of the largest are about the largest; where that exceeds `thin_cost` (3.5: 16
   /// degrees), as in layers that are thinner than their elements are wide, those within `thin_tied_fraction`: there the
-  /// gap bounds the angles, and rounds would pay with the mean ratio for little.
+  /// gap bounds the angles, and rounds would lower the mean ratio for little gain.
   double tied_fraction = 0.2;
   double thin_cost = 3.5;
   double thin_tied_fraction = 0.05;

@@ -62,7 +62,8 @@ struct ListColor {
   }
 };
 
-/// Finds the first of sorted keys of at least each color, and at last of kUncolored.
+/// Finds for each color the first of the sorted keys that is not below those of the color; the last entry is that of
+/// kUncolored.
 struct FindFirst {
   static constexpr Size kCount = kMaxColors + 2;
   Span<const std::uint16_t> keys;

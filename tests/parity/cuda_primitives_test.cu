@@ -266,6 +266,27 @@ TEST_P(CudaPrimitives, CompactAndSumIsTheScanOfWhatIsKept) {
   }
 }
 
+/// Both items of a pair, until one of them is placed.
+struct IsWholePair {
+  Span<std::uint8_t> is_left;
+  TETUNE_HD bool operator()(Size i) const {
+    return load_shared(is_left[i - i % 2]) != 0 && load_shared(is_left[i - i % 2 + 1]) != 0;
+  }
+};
+struct TakeItem {
+  static constexpr Size kGrain = 32;
+  Span<std::uint8_t> is_left;
+  TETUNE_HD void operator()(Size i, Size, const Totals&) const { store_shared(is_left[i], 0); }
+};
+
+TEST_P(CudaPrimitives, CompactAndSumEvaluatesPairsBeforeOneIsPlaced) {
+  Cuda::Buffer<std::uint8_t> is_left(*cuda, 2 * n());
+  cuda->fill(is_left.span(), std::uint8_t{1});
+  const auto all =
+      cuda->compact_and_sum(2 * n(), IsWholePair{is_left.span()}, EvaluateTotals{}, TakeItem{is_left.span()});
+  EXPECT_EQ(all.count, 2 * n());
+}
+
 /// With several rows per tile.
 TEST(CudaScans, OfManyItems) {
   int devices = 0;

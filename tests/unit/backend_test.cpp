@@ -176,6 +176,27 @@ TYPED_TEST(Primitives, CompactAndSumIsTheScanOfWhatIsKept) {
   }
 }
 
+/// Both items of a pair, until one of them is placed.
+struct IsWholePair {
+  Span<std::uint8_t> is_left;
+  bool operator()(Size i) const { return is_left[i - i % 2] != 0 && is_left[i - i % 2 + 1] != 0; }
+};
+struct TakeItem {
+  static constexpr Size kGrain = 32;
+  Span<std::uint8_t> is_left;
+  void operator()(Size i, Size, std::uint32_t) const { is_left[i] = 0; }
+};
+
+TYPED_TEST(Primitives, CompactAndSumEvaluatesPairsBeforeOneIsPlaced) {
+  for (const Size n : kSizes) {
+    typename TypeParam::Backend::template Buffer<std::uint8_t> is_left(this->backend, 2 * n);
+    this->backend.fill(is_left.span(), std::uint8_t{1});
+    const auto all =
+        this->backend.compact_and_sum(2 * n, IsWholePair{is_left.span()}, Square{}, TakeItem{is_left.span()});
+    EXPECT_EQ(all.count, 2 * n);
+  }
+}
+
 TYPED_TEST(Primitives, SortIsStable) {
   std::mt19937_64 random(3);
   std::vector<std::uint64_t> keys(20000);

@@ -9,7 +9,7 @@
 
 namespace tetune {
 
-/// Triangles of the surface with a common vertex, the center: the edges opposite it. All are oriented alike.
+/// Triangles of the surface with a common vertex, the center: the edges opposite it. All are oriented consistently.
 struct OpenFan {
   static constexpr int kMaxEdges = 24;
   int count = 0;

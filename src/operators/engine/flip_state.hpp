@@ -21,7 +21,7 @@ inline constexpr int kMaxFlipPasses = 1000;
 /// the height of the tetrahedron (docs/method.md, "Which candidates are evaluated").
 inline constexpr double kMaxSlack = 0.2;
 inline constexpr double kDriftRate = 0.35;
-/// kDriftRate is for the powers of eta = 1.5 q / w; this is the rate for those of an objective.
+/// kDriftRate is the rate for eta = 1.5 q / w; for another objective it grows with the exponents of q and w.
 TETUNE_HD inline double drift_rate(const Objective& objective) {
   return kDriftRate * (objective.gu - objective.gv) / 3;
 }
@@ -77,7 +77,8 @@ struct FlipState {
 
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 
-  /// Called before a pass, whose bids are not clear afterwards. The mesh may be another than at the last activation.
+  /// Called before a pass, whose bids are not clear afterwards. The number of slots may have changed since the last
+  /// activation.
   void start_pass(const Backend& backend, const WorkMesh<Backend>& mesh) {
     grow_filled(backend, marks, mesh.slots(), std::uint8_t{0});
     if (!bids_are_clear || tet2bid.size() != mesh.slots()) {

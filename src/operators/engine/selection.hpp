@@ -18,7 +18,7 @@ template <CavityPatch P>
 struct Record {
   P patch;
   std::uint64_t bid;
-  Index proposal;
+  std::uint32_t proposal;
   Index twin;  ///< the record of the other part; -1: there is none
   Index extra_slots[P::kMaxExtraTets];
   HalfFace across[P::kMaxCavityFaces];  ///< what lies across the boundary faces before
@@ -61,8 +61,8 @@ namespace selection_detail {
 template <class C>
 inline constexpr bool kIsOwnPatch = std::is_same_v<C, typename C::Patch>;
 
-/// Whether a stored candidate holds all of its tetrahedra so far. One that does not cannot be selected, as bids only
-/// rise.
+/// Whether all parts of a stored candidate hold all of their tetrahedra so far. One that does not cannot be selected,
+/// as bids only rise.
 template <class C>
 struct HoldsSoFar {
   Proposals<C> proposals;
@@ -99,7 +99,7 @@ struct FillRecord {
     Record<typename C::Patch>& r = records[record];
     r.patch = proposals.candidates[entry].expand(mesh);
     r.bid = proposals.bids[entry];
-    r.proposal = to_index(proposals.first + entry / proposals.parts);
+    r.proposal = std::uint32_t(proposals.first + entry / proposals.parts);
     r.twin = find_twin(record, entry);
     for (int k = 0; k < r.patch.face_count(); ++k) r.across[k] = mesh.across(r.patch.old_face(k));
   }

@@ -192,6 +192,8 @@ struct MarkEdge {
     return (e.triangle < e.other ? e.triangle : e.other) <
            (image.triangle < image.other ? image.triangle : image.other);
   }
+  /// Whether an edge or its image has an end that is flagged; false for a paired edge that may not be flipped with its
+  /// image, and for the one of the two that does not stand for both.
   TETUNE_HD bool has_changed(const BoundaryEdge& e) const {
     if (!find.is_paired(e)) return (changed[e.a] | changed[e.b]) != 0;
     const BoundaryEdge image = find.image_of(e);

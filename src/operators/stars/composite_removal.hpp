@@ -59,7 +59,7 @@ struct CompositeRemoval {
     Index v;  ///< -1: none
     Vec3 x;
     double before;
-    double ratio;  ///< of the cotangents after and before
+    double ratio;  ///< of the costs after and before
   };
   /// The vertices of the link of an edge in turn.
   class LinkWalk {

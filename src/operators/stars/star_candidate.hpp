@@ -236,7 +236,7 @@ struct StarCandidate {
   }
 };
 
-/// Stores a candidate. nvcc does not see that memory of this type is aligned, and would copy byte by byte.
+/// Stores a candidate. nvcc does not infer that memory of this type is aligned, and would copy byte by byte.
 TETUNE_HD inline void store(const StarCandidate& candidate, StarCandidate& to) {
   *static_cast<StarCandidate*>(__builtin_assume_aligned(&to, alignof(StarCandidate))) = candidate;
 }

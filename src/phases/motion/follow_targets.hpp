@@ -116,7 +116,7 @@ struct StartDisplacement {
 
 /// Fixes the vertices of planes and lines that have a triangle of the surface in common with a prescribed vertex that
 /// leaves the plane of the triangle: the shape of the surface there would follow from how they move.
-struct HoldBesideMovedPlanes {
+struct FixBesideMovedPlanes {
   MeshView mesh;
   Span<const Vec3> target;
   Span<const std::uint8_t> prescribed;
@@ -236,7 +236,7 @@ class TargetFollower {
     optimizer_.timer.measure(Phase::motion, [&] {
       add_inserted_vertices();
       WorkMesh<Backend>& mesh = optimizer_.work.mesh;
-      optimizer_.backend.for_each(mesh.slots(), follow_targets_detail::HoldBesideMovedPlanes{
+      optimizer_.backend.for_each(mesh.slots(), follow_targets_detail::FixBesideMovedPlanes{
                                                     mesh.view(), std::as_const(target_).span(),
                                                     std::as_const(prescribed_).span(), optimizer_.work.dofs.dof});
     });

@@ -68,7 +68,7 @@ struct ListNeighbors {
 
 /// Fills one row: per tetrahedron (v, p0, p1, p2) with w = 6 V the entries n_v . n_j / w^2, where n_i is w times the
 /// gradient of the linear basis function of vertex i. w counts as at least kMinVolume times the cube of the longest
-/// edge: it may round to 0, and the entries of flatter tetrahedra have rounding errors as large as those of others.
+/// edge: it may round to 0, and rounding errors of larger entries would be as large as the entries of other tetrahedra.
 struct FillRow {
   Span<const Point> points;
   RingsView rings;
@@ -80,8 +80,9 @@ struct FillRow {
   TETUNE_HD void operator()(Size v) const {
     const Size row = offsets[v];
     const Size length = offsets[v + 1] - row;
+    const Size first_neighbor = 3 * Size{rings.offsets[v]};  // may exceed 32 bits
     for (Size i = 0; i < length; ++i) {
-      columns[row + i] = neighbors[3 * rings.offsets[v] + i];
+      columns[row + i] = neighbors[first_neighbor + i];
       values[row + i] = 0;
     }
     double sum = 0;

@@ -104,8 +104,8 @@ struct SetSurfacePoint {
   }
 };
 
-/// Makes the edges of triangles that leave the reference surface, all three vertices of which move, walls for the
-/// vertices that slide.
+/// Makes the edges of triangles that leave the reference surface walls for the vertices that slide: triangles all of
+/// whose vertices are prescribed, and some of which move.
 struct CutMovingTriangle {
   Span<const SurfaceTriangle> triangles;
   Span<const std::uint8_t> motion;  ///< per vertex: VertexMotion

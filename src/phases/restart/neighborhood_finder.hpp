@@ -10,7 +10,7 @@ namespace tetune {
 
 /// Tetrahedra within some rings of vertices around one of them.
 struct FoundTets {
-  /// The ring of a vertex in none.
+  /// In place of the ring of a vertex that is in none.
   static constexpr std::uint8_t kNoRing = 255;
 
   struct Vertex {

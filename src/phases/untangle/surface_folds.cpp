@@ -14,7 +14,8 @@ namespace {
 
 Point3 to_array(const Point& p) { return {p.x, p.y, p.z}; }
 
-/// A face of one tetrahedron alone; its vertices turn as those of all others do.
+/// A face on one tetrahedron alone. All are oriented consistently: the normal points out of a tetrahedron of positive
+/// volume.
 struct BoundaryFace {
   Index slot;
   std::array<Index, 3> v;

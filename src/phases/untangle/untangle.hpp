@@ -105,12 +105,12 @@ void run_rounds(Optimizer<Backend>& optimizer) {
   WorkingSet<Backend>& work = optimizer.work;
   Size tangled = activate_tangled(backend, work);
   const Positions<Backend> start(backend, work);
-  bool go_on = true;
-  for (int round = 0; round < p.max_rounds && tangled > 0 && go_on; ++round) {
+  bool proceeds = true;
+  for (int round = 0; round < p.max_rounds && tangled > 0 && proceeds; ++round) {
     if (round == p.first_flip_round) {
       tangled = untangle_by_continuation(optimizer, start);
-      go_on = optimizer.proceed(Phase::untangling, 0);
-      if (tangled == 0 || !go_on) break;
+      proceeds = optimizer.proceed(Phase::untangling, 0);
+      if (tangled == 0 || !proceeds) break;
     }
     if (round >= p.first_flip_round && work.flips.max_ring > 0) {
       flip_around_tangles(backend, work);
@@ -120,13 +120,13 @@ void run_rounds(Optimizer<Backend>& optimizer) {
     color_vertices(backend, work.rings.view(), work.dofs.dof.span(), work.coloring, work.dofs.stars());
     Criterion criterion{kShapeObjective};
     criterion.objective.regularization = p.regularizations[to_size_t(round) % p.regularizations.size()];
-    for (int i = 0; i < p.max_sweeps && tangled > 0 && go_on; ++i) {
+    for (int i = 0; i < p.max_sweeps && tangled > 0 && proceeds; ++i) {
       flag_neighbors(backend, work.mesh, work.dofs.active.span());
       sweep<RegularizedRing>(backend, work.mesh, criterion, work.movable_vertices(),
                              NewtonStep{1, optimizer.tuning.relocation.min_gain}, SweepScope::selection);
       tangled = activate_tangled(backend, work);
       criterion.objective.regularization *= p.regularization_decay;
-      go_on = optimizer.proceed(Phase::untangling, 0);
+      proceeds = optimizer.proceed(Phase::untangling, 0);
     }
   }
   backend.fill(work.dofs.active.span(), std::uint8_t{1});
@@ -203,7 +203,7 @@ struct UntangleResult {
 
 /// Restores the input, unless a stop was requested, and finds the reason why tetrahedra are left.
 template <class Backend>
-UntangleResult explain(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
+UntangleResult find_reason(Optimizer<Backend>& optimizer, const Snapshot<Backend>& before, std::vector<Index> left) {
   using Reason = UntangleError::Reason;
   if (optimizer.backend.stop_requested()) return {std::move(left), Reason::stopped};
   WorkMesh<Backend>& mesh = optimizer.work.mesh;
@@ -229,7 +229,7 @@ UntangleResult untangle_tets(Optimizer<Backend>& optimizer) {
       untangle_inside(optimizer, before).empty()) {
     return {};
   }
-  return explain(optimizer, before, std::move(left));
+  return find_reason(optimizer, before, std::move(left));
 }
 
 }  // namespace untangle_detail
