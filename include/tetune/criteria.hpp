@@ -51,7 +51,8 @@ struct CheckMeasureInfo {
   bool larger_is_better;
   bool of_faces;     ///< per face; else per tetrahedron
   const char* unit;  ///< "", "degrees", "length", "length^3"
-  double best;  ///< a bound that no tetrahedron exceeds, in most cases the regular one's value; of lengths infinite
+  /// No tetrahedron is better: the value of the regular one, or a bound. Infinite for lengths and volumes.
+  double best;
 };
 
 /// All of them, in the order of the enumeration.
