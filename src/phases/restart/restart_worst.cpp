@@ -54,10 +54,7 @@ std::vector<DihedralCots> extreme_cots(const Cpu& backend, const MeshView& mesh,
 }
 
 DihedralCots merge(DihedralCots extremes, const std::vector<DihedralCots>& all) {
-  for (const DihedralCots& cots : all) {
-    extremes.max = std::max(extremes.max, cots.max);
-    extremes.min = std::min(extremes.min, cots.min);
-  }
+  for (const DihedralCots& cots : all) extremes.merge(cots);
   return extremes;
 }
 
