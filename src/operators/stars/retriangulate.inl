@@ -51,6 +51,30 @@ VertexArrays grow_vertices(const Backend& backend, const EditableMesh<Backend>& 
           dofs.displacement_bound.span()};
 }
 
+/// Whether the mesh may have as many tetrahedra as these changes leave.
+template <class Backend>
+bool has_room(const WorkMesh<Backend>& mesh, const ChangeCounts& total, const RetriangulationLimits& limits) {
+  const bool is_within_limit = total.taken <= total.freed || mesh.tets() + total.taken - total.freed <= limits.max_tets;
+  return is_within_limit && SlotChange(mesh, total).needed <= kMaxSlots;
+}
+
+/// Selects candidates; again without removal, without insertion, or without both where a limit is exceeded.
+template <class Backend, class P>
+auto select_within(const Backend& backend, WorkMesh<Backend>& mesh, Size count, P& proposals, FlipState<Backend>& flips,
+                   const RetriangulationLimits& limits) {
+  for (;;) {
+    auto selection = select_candidates(backend, mesh, count, proposals, flips);
+    const ChangeCounts& total = selection.total;
+    if (proposals.removes && Size{total.removed} - Size{total.inserted} > limits.max_removed) {
+      proposals.removes = false;
+    } else if (proposals.inserts && !has_room(mesh, total, limits)) {
+      proposals.inserts = false;
+    } else {
+      return selection;
+    }
+  }
+}
+
 }  // namespace retriangulate_detail
 
 template <class Backend>
@@ -85,8 +109,8 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
                             .max_ring = flips.max_ring,
                             .vertex_cost = limits.vertex_cost,
                             .min_gain = limits.min_gain,
-                            .inserts = true,
-                            .removes = true,
+                            .inserts = edits_vertices,
+                            .removes = edits_vertices,
                             .proposers = edits_vertices ? tets : Span<const Index>{},
                             .mean_energy = limits.mean_energy};
   StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, first_choice, choices};
@@ -96,28 +120,8 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
     backend.for_each(moves.size(), EvaluateMoves{context, tets, moves.span()});
     proposals.moves = moves.span();
   }
-  const auto select = [&] { return select_candidates(backend, mesh, count, proposals, flips); };
-  auto selection = select();
-  const auto has_room = [&] {
-    const ChangeCounts& total = selection.total;
-    const bool is_within_limit =
-        total.taken <= total.freed || mesh.tets() + total.taken - total.freed <= limits.max_tets;
-    return is_within_limit && SlotChange(mesh, total).needed <= kMaxSlots;
-  };
-  const auto removes_too_many = [&] {
-    return Size{selection.total.removed} - Size{selection.total.inserted} > limits.max_removed;
-  };
-  while (edits_vertices) {
-    if (proposals.removes && removes_too_many()) {
-      proposals.removes = false;
-    } else if (proposals.inserts && !has_room()) {
-      proposals.inserts = false;
-    } else {
-      break;
-    }
-    selection = select();
-  }
-  if (selection.size() == 0 || !has_room()) return {};
+  const auto selection = select_within(backend, mesh, count, proposals, flips, limits);
+  if (selection.size() == 0 || !has_room(mesh, selection.total, limits)) return {};
   const ChangeCounts& total = selection.total;
   const VertexArrays vertices = grow_vertices(backend, editable, mesh.vertices() + total.inserted);
   apply_selection(backend, mesh, criterion, flips, selection,
