@@ -195,18 +195,6 @@ void print_json(const InspectArguments& a, const Inspection& i, const std::vecto
   fmt::print("{}", json_text(json));
 }
 
-/// One line, for --check.
-void print_verdict(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
-  std::string text = is_valid(i) ? "valid" : invalidity_of(i);
-  for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) {
-    text.replace(at, 3, text[at - 1] == ':' ? " " : "; ");
-  }
-  for (const BoundVerdict& v : verdicts) text += "; " + to_text(v);
-  if (i.acceptance)
-    text += fmt::format("; {}: {}{}", i.acceptance->name, to_string(i.acceptance->verdict), acceptance_note(i));
-  fmt::print("{}: {}\n", name, text);
-}
-
 /// The sentence on a valid mesh, which names what is checked.
 std::string validity_of(const TetMesh& mesh) {
   const bool has_others = std::any_of(mesh.others.begin(), mesh.others.end(),
@@ -214,6 +202,18 @@ std::string validity_of(const TetMesh& mesh) {
   return fmt::format("valid: {} positive, every face on one or two tetrahedra, boundary closed{}",
                      has_others ? "the volume of every tetrahedron" : "every volume",
                      has_others ? "; elements of other kinds are not checked" : "");
+}
+
+/// One line, for --check.
+void print_verdict(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {
+  std::string text = is_valid(i) ? validity_of(i.mesh) : invalidity_of(i);
+  for (std::size_t at = 0; (at = text.find("\n  ")) != std::string::npos;) {
+    text.replace(at, 3, text[at - 1] == ':' ? " " : "; ");
+  }
+  for (const BoundVerdict& v : verdicts) text += "; " + to_text(v);
+  if (i.acceptance)
+    text += fmt::format("; {}: {}{}", i.acceptance->name, to_string(i.acceptance->verdict), acceptance_note(i));
+  fmt::print("{}: {}\n", name, text);
 }
 
 void print_tables(const std::string& name, const Inspection& i, const std::vector<BoundVerdict>& verdicts) {

@@ -228,6 +228,7 @@ class SeriesRun {
     if (report == nullptr) {
       text += ", the mesh of the first file\n";
     } else {
+      has_moved_ = has_moved_ || !report->steps.empty();
       entry["motion"] = to_json(*report);
       text += report->steps.empty() ? std::string(", nothing moved\n")
                                     : fmt::format(", {} steps, smallest dihedral angle of what moved {:.2f}\n",
@@ -244,7 +245,17 @@ class SeriesRun {
     console_.print(text);
   }
 
+  /// The motion may be in point data, which are not used unless they are named.
+  void warn_if_nothing_moved() {
+    if (result_.code != kDone || has_moved_ || !a_.move->displacement.empty()) return;
+    warn(
+        fmt::format("{}: nothing moved: the vertices have the same positions at all times; if point data are their "
+                    "displacements, name these with --displacement ({} has: {})",
+                    job_.input, steps_[0].path, point_data_names(input_)));
+  }
+
   void finish() {
+    warn_if_nothing_moved();
     // Without tables, nothing else says why the exit code is not 0; a time that failed is an error.
     if (stopped_at_ && console_.verbosity() < 1) {
       const std::string output = shown_output(job_.output);
@@ -272,6 +283,7 @@ class SeriesRun {
   std::vector<Index> original_of_;          ///< per vertex: that of the first file, or -1
   std::optional<std::size_t> stopped_at_;   ///< the step at which a blocked motion or an interruption ended the run
   std::optional<double> blocked_fraction_;  ///< of the step at which the motion was blocked
+  bool has_moved_ = false;                  ///< at any time
   std::vector<std::string> warnings_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();
   JobResult result_;

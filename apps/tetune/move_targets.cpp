@@ -61,10 +61,8 @@ std::vector<const DataArray*> find_displacement(const TetMesh& source, const std
     const auto is_scalar = [](const DataArray* array) { return array != nullptr && array->components == 1; };
     if (std::all_of(found.begin(), found.end(), is_scalar)) return found;
   }
-  std::string names;
-  for (const DataArray& array : source.point_data) names += (names.empty() ? "" : ", ") + array.name;
   throw OptionError(fmt::format("--displacement \"{}\": {} has no point data of this name; it has: {}", name, path,
-                                names.empty() ? "none" : names));
+                                point_data_names(source)));
 }
 
 /// The input's positions plus the point data `name` of `source`.
@@ -108,6 +106,12 @@ void check_nan(const VertexTargets& target, const std::string& path, const MoveA
 }
 
 }  // namespace
+
+std::string point_data_names(const TetMesh& mesh) {
+  std::string names;
+  for (const DataArray& array : mesh.point_data) names += (names.empty() ? "" : ", ") + array.name;
+  return names.empty() ? "none" : names;
+}
 
 void define_move_arguments(CLI::App& command, OptimizeArguments& arguments) {
   define_motion(command, arguments.move.emplace());

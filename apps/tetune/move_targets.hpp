@@ -26,6 +26,9 @@ std::vector<VertexTargets> read_targets(const TetMesh& mesh, const MoveArguments
 VertexTargets target_of(const TetMesh& mesh, const TetMesh& source, const std::string& path,
                         const MoveArguments& arguments);
 
+/// The names of the point data of a mesh, or "none".
+std::string point_data_names(const TetMesh& mesh);
+
 /// The sentence on a motion that was blocked on the way to a target, such as "at time 2.5".
 std::string blocked_text(const std::string& output, const std::string& target, double fraction);
 

@@ -248,7 +248,7 @@ class Run {
 
   void finish() {
     result_.after = measure();
-    if (!a_.move && !stopped()) warn_all(declined_measures(result_.before, result_.after));
+    if (!a_.move && !stopped()) warn_all(declined_measures(result_.before, result_.after, "--only-below"));
     if (a_.criteria && a_.move) criteria_.after = check(input_.mesh, *a_.criteria, options_.threads);
     const bool accepted = !a_.criteria || criteria_.after.verdict != Verdict::fail;
     const bool met = std::all_of(report_.targets.begin(), report_.targets.end(), [](const auto& t) { return t.met(); });

@@ -51,6 +51,8 @@ struct CheckMeasureInfo {
   bool larger_is_better;
   bool of_faces;     ///< per face; else per tetrahedron
   const char* unit;  ///< "", "degrees", "length", "length^3"
+  /// No tetrahedron is better: the value of the regular one, or a bound. Infinite for lengths and volumes.
+  double best;
 };
 
 /// All of them, in the order of the enumeration.
@@ -79,8 +81,8 @@ TETUNE_API std::span<const AcceptanceCriteria> preset_criteria();
 /// The preset of this name; null if there is none.
 TETUNE_API const AcceptanceCriteria* find_preset(std::string_view name);
 
-/// Throws OptionError for a criterion without a limit, a limit that is not finite, a `warn` that is worse than `fail`,
-/// or a percentage that is not in 0 to 100.
+/// Throws OptionError for a criterion without a limit, a limit that is not finite or that no element can meet, a `warn`
+/// that is worse than `fail`, or a percentage that is not in 0 to 100.
 TETUNE_API void check_criterion(const AcceptanceCriterion& criterion);
 
 enum class Verdict : std::uint8_t { pass, warn, fail };

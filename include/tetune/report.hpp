@@ -112,8 +112,11 @@ struct Report : OperationCounts {
   std::int64_t edges_not_held = 0;
   /// Number of ends and junctions of tagged edges that may move along these, for the same reason.
   std::int64_t line_ends_not_held = 0;
-  std::int64_t triangles_dropped = 0, edges_dropped = 0;  ///< numbers of listed ones that the result lacks
-  int colors = 0;                                         ///< of the graph of vertices that must not move at once
+  /// Number of listed triangles that the result lacks because they constrain nothing. Those of the boundary and of
+  /// interfaces that flips or SurfaceVertices::edit replace by others do not count.
+  std::int64_t triangles_dropped = 0;
+  std::int64_t edges_dropped = 0;  ///< number of listed edges that the result lacks
+  int colors = 0;                  ///< of the graph of vertices that must not move at once
   /// The sum that Options::energy names; with Options::only_below that of the active tetrahedra, of second-order meshes
   /// that of the straight ones of the input and of the result.
   double energy_before = 0, energy_after = 0;

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "clock.hpp"
+#include "declined_measures.hpp"
 #include "definitions.hpp"
 #include "exit_code.hpp"
 #include "files.hpp"
@@ -81,6 +82,9 @@ class Program {
     optimize_seconds_ = seconds_since(start);
 
     after_ = quality_of_all(comm_, part.mesh, 1);
+    if (report_.stop != StopReason::cancelled) {
+      for (const std::string& w : cli::declined_measures(before_, after_, "tetune optimize --only-below")) warn(w);
+    }
     if (!job_.report.empty()) first_cut_ = quality_of_all(comm_, at_first_cut(part), 1);
     start = Time::now();
     std::vector<std::string> warnings;

@@ -82,11 +82,16 @@ template <class Archive, MaybeConst<MoveStep> Step>
 void transfer(Archive& archive, Step& s) {
   archive(s.target, s.fraction, s.solver_iterations, s.dihedral_moved, s.dihedral_min, s.seconds);
 }
+template <class Archive, MaybeConst<InvertedOthers> Inverted>
+void transfer(Archive& archive, Inverted& i) {
+  archive(i.kind, i.block, i.elements);
+}
 template <class Archive, MaybeConst<MoveReport> AnyReport>
 void transfer(Archive& archive, AnyReport& r) {
   archive(r.optimization, r.prescribed);
   transfer_each(archive, r.steps);
-  archive(r.targets, r.targets_reached, r.fraction, r.blocking_tets, r.blocking_vertices);
+  archive(r.targets, r.targets_reached, r.fraction, r.blocking_tets, r.blocking_vertices, r.frozen_moved);
+  transfer_each(archive, r.inverted_others);
 }
 
 }  // namespace tetune

@@ -148,6 +148,12 @@ void bind_motion(nb::module_& m) {
       .def_ro("dihedral_moved", &MoveStep::dihedral_moved, "Smallest dihedral angle after the motion, degrees.")
       .def_ro("dihedral_min", &MoveStep::dihedral_min, "Smallest dihedral angle after the improvement, degrees.")
       .def_ro("seconds", &MoveStep::seconds);
+  nb::class_<InvertedOthers>(m, "InvertedOthers", "Pyramids, prisms or hexahedra of a block that move() inverted.")
+      .def_ro("kind", &InvertedOthers::kind, "'Pyramids', 'Prisms' or 'Hexahedra'.")
+      .def_ro("block", &InvertedOthers::block, "Position of the block among those of other elements.")
+      .def_prop_ro(
+          "elements", [](nb::handle_t<InvertedOthers> s) { return view(nb::cast<InvertedOthers&>(s).elements, s); },
+          "Positions in the block, in increasing order.");
   nb::class_<MoveReport> report(m, "MoveReport", "The account of a run of move().");
   bind_state(report);
   report.def_ro("optimization", &MoveReport::optimization, "The account of the work on the mesh, all steps together.")
@@ -165,6 +171,10 @@ void bind_motion(nb::module_& m) {
           [](nb::handle_t<MoveReport> s) { return view(nb::cast<MoveReport&>(s).blocking_vertices, s); },
           "The prescribed vertices of the result nearest to these.")
       .def_prop_ro("reached", &MoveReport::reached)
+      .def_ro("frozen_moved", &MoveReport::frozen_moved,
+              "Number of vertices that targets move although the options freeze them.")
+      .def_ro("inverted_others", &MoveReport::inverted_others,
+              "Pyramids, prisms and hexahedra that the motion inverted, by blocks.")
       .def("__repr__", [](const MoveReport& r) {
         return "<tetune.MoveReport: " + std::to_string(r.targets_reached) + " of " + std::to_string(r.targets) +
                " targets in " + std::to_string(r.steps.size()) + " steps>";

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+import tetune
+
 ROOT = Path(__file__).parents[2]
 BRACKET = ROOT / "data" / "bracket.meshb"
 
@@ -81,3 +83,15 @@ def interface_area(points, tets, tags):
     between = same[tags[owner[same]] != tags[owner[same + 1]]]
     a, b, c = np.moveaxis(points[faces[between]], 1, 0)
     return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+
+
+def inverted_pyramid():
+    """A mesh with two pyramids beside it, and a target that pushes the tip of the second through its base."""
+    points, tets = shaken_box(3, 3, 3)
+    pyramid = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]])
+    pyramids = len(points) + np.arange(10).reshape(2, 5)
+    mesh = tetune.TetMesh(np.vstack([points, pyramid + [9, 0, 0], pyramid + [12, 0, 0]]), tets,
+                          others=[("Quadrilaterals", pyramids[:, :4]), ("Pyramids", pyramids)])
+    to = np.full_like(mesh.points, np.nan)
+    to[-1] = [12.5, 0.5, -1]
+    return mesh, to

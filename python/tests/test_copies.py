@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tetune
-from meshes import everything_of, shaken_box, volumes
+from meshes import everything_of, inverted_pyramid, shaken_box, volumes
 
 
 GROUPS_AND_MORE = """$MeshFormat
@@ -122,6 +122,10 @@ def test_reports_and_results_are_pickled():
     assert listed.periodic_vertices > 0 < listed.triangles_dropped == listed.edges_dropped and listed.warnings and listed.device_reason
     motion = results[5].motion
     assert len(results[2].report.straightened) > 0 and len(motion.blocking_tets) > 0
+    assert everything_of(pickle.loads(pickle.dumps(motion))) == everything_of(motion)
+    mesh, to = inverted_pyramid()
+    motion = tetune.move(mesh, to=to, frozen_vertices=np.arange(len(to)) == len(to) - 1).motion
+    assert len(motion.inverted_others) == motion.frozen_moved == 1
     assert everything_of(pickle.loads(pickle.dumps(motion))) == everything_of(motion)
 
 

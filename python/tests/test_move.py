@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tetune
-from meshes import shaken_box, volumes
+from meshes import inverted_pyramid, shaken_box, volumes
 from tetune._point_data import interpolated
 
 
@@ -64,6 +64,17 @@ def test_a_target_out_of_reach():
     assert volumes(r.mesh.points, r.mesh.tets).min() > 0
     assert len(r.motion.blocking_tets) > 0 and len(r.motion.blocking_vertices) > 0
     assert r.motion.blocking_tets.max() < len(r.mesh.tets)
+
+
+def test_inverted_elements_and_frozen_vertices_that_move():
+    mesh, to = inverted_pyramid()
+    motion = tetune.move(mesh, to=to).motion
+    inverted, = motion.inverted_others
+    assert isinstance(inverted, tetune.InvertedOthers)
+    assert (inverted.kind, inverted.block, inverted.elements.tolist()) == ("Pyramids", 1, [1])
+    assert motion.frozen_moved == 0
+    motion = tetune.move(mesh, to=to, frozen_vertices=np.arange(len(to)) == len(to) - 1).motion
+    assert motion.frozen_moved == 1
 
 
 def test_patches():

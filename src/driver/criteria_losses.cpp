@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver/criteria_losses.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -19,6 +20,11 @@ std::string loss_of(const CriterionResult& before, const CriterionResult& after)
   return text + change(before.warned, after.warned) + " warn";
 }
 
+bool is_worse(double value, double old, bool larger_is_better) {
+  if (std::isnan(value)) return !std::isnan(old);
+  return larger_is_better ? value < old : value > old;
+}
+
 }  // namespace
 
 std::string losses_in(const AcceptanceReport& before, const AcceptanceReport& after) {
@@ -35,6 +41,15 @@ std::string losses_in(const AcceptanceReport& before, const AcceptanceReport& af
   }
   if (!text.empty() || failed != 0 || warned_after <= warned_before) return text;
   return change(warned_before, warned_after) + " warn";
+}
+
+bool has_worse_value(const AcceptanceReport& before, const AcceptanceReport& after, Verdict level) {
+  for (std::size_t i = 0; i < after.results.size(); ++i) {
+    const CriterionResult& now = after.results[i];
+    const double old = before.results[i].worst;
+    if (now.verdict >= level && is_worse(now.worst, old, info_of(now.criterion.measure).larger_is_better)) return true;
+  }
+  return false;
 }
 
 }  // namespace tetune

@@ -12,4 +12,8 @@ namespace tetune {
 /// does, and as many elements fail in all, a larger number of elements that warn is a loss.
 std::string losses_in(const AcceptanceReport& before, const AcceptanceReport& after);
 
+/// Whether the worst value of a criterion with a verdict of at least `level` in `after` is worse than before. A value
+/// that is not a number is worse than all others, and not worse than another one.
+bool has_worse_value(const AcceptanceReport& before, const AcceptanceReport& after, Verdict level);
+
 }  // namespace tetune

@@ -5,6 +5,7 @@
 #include "boundary/sliding/reference_surface.hpp"
 #include "driver/move_job.hpp"
 #include "energy/ring.hpp"
+#include "mesh/transfer/floating_data.hpp"
 #include "phases/tuning.hpp"
 #include "tetune/optimize.hpp"
 
@@ -42,9 +43,7 @@ std::size_t restart_bytes(const TetMesh& mesh, const Options& options) {
 std::size_t projected_components(const TetMesh& mesh) {
   std::size_t components = 0;
   for (const DataArray& array : mesh.point_data) {
-    const bool is_real = std::holds_alternative<std::vector<double>>(array.values) ||
-                         std::holds_alternative<std::vector<float>>(array.values);
-    if (is_real) components += std::size_t(std::max(0, array.components));
+    if (is_floating(array)) components += std::size_t(std::max(0, array.components));
   }
   return components;
 }

@@ -65,17 +65,6 @@ Misses misses_of(const AcceptanceReport& report, Verdict level) {
   return misses;
 }
 
-/// Whether the worst value of a criterion with a verdict of `level` after a round is worse than before.
-bool worsens(const AcceptanceReport& before, const AcceptanceReport& after, Verdict level) {
-  for (std::size_t i = 0; i < after.results.size(); ++i) {
-    const CriterionResult& r = after.results[i];
-    const bool larger = info_of(r.criterion.measure).larger_is_better;
-    const double old = before.results[i].worst;
-    if (r.verdict >= level && (larger ? !(r.worst >= old) : !(r.worst <= old))) return true;
-  }
-  return false;
-}
-
 /// Returns the target on a dihedral angle that the criterion implies, which an angle of the surface may rule out;
 /// nothing for other measures.
 std::optional<Target> target_of(const AcceptanceCriterion& criterion) {
@@ -234,8 +223,8 @@ class CriteriaRun {
     round.failed_after = after.tets;
     const std::size_t max_tets = std::max(mesh.tets.size(), std::size_t(max_tets_));
     // Each round has a quality floor of its own, which leaves room below its smallest mean ratio.
-    round.kept = after < before && !worsens(report_.after, accepted, level_) && changed.tets.size() <= max_tets &&
-                 (!is_input_kept_ || losses_in(report_.before, accepted).empty()) &&
+    round.kept = after < before && !has_worse_value(report_.after, accepted, level_) &&
+                 changed.tets.size() <= max_tets && (!is_input_kept_ || losses_in(report_.before, accepted).empty()) &&
                  quality(changed, options_.threads).mean_ratio_min >= (1 - kRounding) * least_mean_ratio_;
     if (round.kept) {
       mesh = std::move(changed);

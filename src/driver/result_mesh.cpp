@@ -230,8 +230,8 @@ void replace_mesh(TetMesh& mesh, HostResult result, const ExportRules& rules, Re
   next.required_edges = mesh.required_edges;
   report.edges_dropped = keep_edges(next, edge2new);
 
-  report.triangle2original = unless_all(std::move(triangle2original), mesh.triangles.size());
-  report.edge2original = unless_all(std::move(edge2original), mesh.edges.size());
+  report.triangle2original = empty_if_identity(std::move(triangle2original), mesh.triangles.size());
+  report.edge2original = empty_if_identity(std::move(edge2original), mesh.edges.size());
   report.vertex2original = std::move(numbering.new2original);
   report.tet2original = std::move(result.tet2original);
 

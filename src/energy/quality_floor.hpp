@@ -22,6 +22,10 @@ struct DihedralCotsT {
     const T obtuse = -obtuse_weight * min;
     return obtuse > max ? obtuse : max;
   }
+  TETUNE_HD void merge(const DihedralCotsT& other) {
+    max = other.max > max ? other.max : max;
+    min = other.min < min ? other.min : min;
+  }
 };
 using DihedralCots = DihedralCotsT<double>;
 

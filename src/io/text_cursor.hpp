@@ -115,10 +115,11 @@ class TextCursor {
 
   std::int64_t remaining() const { return end_ - at_; }
 
-  [[noreturn]] void fail(const std::string& text) const {
-    const auto line = 1 + std::count(begin_, at_, '\n');
-    throw FileError(path_ + ":" + std::to_string(line) + ": " + text);
+  /// A text behind the file and the line.
+  std::string at_line(const std::string& text) const {
+    return path_ + ":" + std::to_string(1 + std::count(begin_, at_, '\n')) + ": " + text;
   }
+  [[noreturn]] void fail(const std::string& text) const { throw FileError(at_line(text)); }
 
   static bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 

@@ -28,7 +28,7 @@ inline std::vector<Index> explicit_map(const std::vector<Index>& new2original, s
 }
 
 /// The map for a report: empty where it is the identity on all `originals`, as explicit_map() reads it.
-inline std::vector<Index> unless_all(std::vector<Index> new2original, std::size_t originals) {
+inline std::vector<Index> empty_if_identity(std::vector<Index> new2original, std::size_t originals) {
   Index next = 0;
   const bool in_order =
       std::all_of(new2original.begin(), new2original.end(), [&next](Index original) { return original == next++; });

@@ -36,15 +36,16 @@ bool improve(Optimizer<Backend>& optimizer) {
   Criterion criterion = improve_detail::measure_mesh(optimizer);
   if (!optimizer.proceed(Phase::load, 0) || !alternate(optimizer, criterion)) return false;
   if (!improves_worst(optimizer.options)) return true;
-  const std::int64_t removed_before = net_removed(optimizer.report);
+  optimizer.work.boundary.flips_bend = false;
+  optimizer.work.removable = removable_vertices(optimizer.report.vertices);
   const Objective objective = mean_objective(optimizer);
-  if (!lower_mean_energy(optimizer, optimizer.tuning.mean, {objective, criterion.floor}, removed_before) ||
+  if (!lower_mean_energy(optimizer, optimizer.tuning.mean, {objective, criterion.floor}) ||
       !improve_worst(optimizer, criterion.floor))
     return false;
   criterion.floor.relax_mean_ratio(optimizer.tuning.angles.mean_ratio_fraction);
   const QualityFloor input_floor = criterion.floor;
   return improve_angles(optimizer, criterion.floor) && restart_worst(optimizer, input_floor, criterion.floor) &&
-         polish(optimizer, objective, criterion.floor, removed_before);
+         polish(optimizer, objective, criterion.floor);
 }
 
 }  // namespace tetune

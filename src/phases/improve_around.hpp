@@ -56,7 +56,7 @@ inline constexpr double kProposingFraction = 4e-3;
 /// flips.
 template <class Backend>
 void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Span<const Index> tets,
-                   const RetriangulationLimits& limits, WorstReport& r) {
+                   RetriangulationLimits limits, WorstReport& r) {
   Report& report = optimizer.report;
   const Options& options = optimizer.options;
   WorkingSet<Backend>& work = optimizer.work;
@@ -65,6 +65,7 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
                                                                  static_cast<double>(work.mesh.tets()));
     tets = {tets.data(), std::min(tets.size(), max_proposers)};
   }
+  limits.max_removed = work.removable;
   const RetriangulationReport changes =
       retriangulate_worst(optimizer.backend,
                           EditableMesh<Backend>{.mesh = work.mesh,
@@ -78,6 +79,7 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
   report.vertices_inserted += changes.inserted;
   report.vertices_removed += changes.removed;
   report.compound_flips += changes.others;
+  work.removable -= changes.removed - changes.inserted;
 }
 
 /// Flips from the tetrahedra on that have an edge between active vertices. Returns the number of flips.

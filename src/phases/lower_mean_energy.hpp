@@ -78,9 +78,6 @@ double lower_once(Optimizer<Backend>& optimizer, const Criterion& criterion, dou
 
 }  // namespace lower_mean_energy_detail
 
-/// The number of vertices that a run has removed beyond those that it has inserted.
-inline std::int64_t net_removed(const Report& report) { return report.vertices_removed - report.vertices_inserted; }
-
 /// The objective whose mean describes the present mesh: the shape energy, or a root of it where a few tetrahedra that
 /// nothing improves make up the mean energy, as around layers much thinner than the elements are wide. Below such a
 /// mean even a poor new tetrahedron would be a gain.
@@ -91,23 +88,18 @@ Objective mean_objective(const Optimizer<Backend>& optimizer) {
 }
 
 /// Inserts and removes vertices where that lowers the mean of the criterion's objective over the mesh, in rounds around
-/// its tetrahedra of the largest energies. `removed_before`: net_removed() at the start of the phases. Reports
-/// Report::worst_rounds. Returns false when the caller cancels.
+/// its tetrahedra of the largest energies. Reports Report::worst_rounds. Returns false
+/// when the caller cancels.
 template <class Backend>
-bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, const Criterion& criterion,
-                       std::int64_t removed_before) {
+bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, const Criterion& criterion) {
   if (!edits_vertices(optimizer.options)) return true;
   RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_fraction);
   limits.min_gain = p.min_gain;
-  const Report& report = optimizer.report;
-  const auto removed = [&] { return net_removed(report) - removed_before; };
-  const auto max_removed = static_cast<std::int64_t>(p.max_removed * static_cast<double>(report.vertices));
   double energy = 0;
   optimizer.timer.measure(Phase::worst, [&] { energy = optimizer.sum_energy(criterion.objective); });
   lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {
-    if (removed() > max_removed) break;
     WorstReport r;
     r.round = round;
     r.seconds = optimizer.timer.measure(Phase::worst, [&] {

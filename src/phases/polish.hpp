@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-
 #include "phases/lower_mean_energy.hpp"
 
 namespace tetune {
@@ -11,8 +9,7 @@ namespace tetune {
 /// (lower_mean_energy()), then by sweeps, the first ones with flips. No tetrahedron becomes worse than the present
 /// worst, and no angle goes beyond those that `reached` allows. Returns false when the caller cancels.
 template <class Backend>
-bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const QualityFloor& reached,
-            std::int64_t removed_before) {
+bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const QualityFloor& reached) {
   const PolishParameters& p = optimizer.tuning.polish;
   if (p.sweeps == 0) return true;
   const Backend& backend = optimizer.backend;
@@ -28,7 +25,7 @@ bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const Qua
     criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, angles.obtuse_weight);
     criterion.floor.limit_angles(reached.extremes());
   });
-  if (!lower_mean_energy(optimizer, p.mean, criterion, removed_before)) return false;
+  if (!lower_mean_energy(optimizer, p.mean, criterion)) return false;
   backend.fill(work.dofs.active.span(), std::uint8_t{1});
   for (int sweep = 1; sweep <= p.sweeps; ++sweep) {
     const bool ready = optimizer.refresh_rings();

@@ -29,8 +29,7 @@ struct WorstMeasures {
   DihedralCots cots;
   double max_edge_term = 0;
   TETUNE_HD void merge(const WorstMeasures& other) {
-    cots.max = other.cots.max > cots.max ? other.cots.max : cots.max;
-    cots.min = other.cots.min < cots.min ? other.cots.min : cots.min;
+    cots.merge(other.cots);
     max_edge_term = other.max_edge_term > max_edge_term ? other.max_edge_term : max_edge_term;
   }
 };

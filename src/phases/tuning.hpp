@@ -77,8 +77,6 @@ struct MeanParameters {
   double min_fall = 0.01;
   /// The fraction of the growth of the mesh that insertion may use up: the smallest angles need the rest.
   double growth_fraction = 0.4;
-  /// No round follows when the mesh has lost more than this fraction of the caller's vertices.
-  double max_removed = 0.1;
 };
 
 /// improve_worst(): rounds of work around the tetrahedra of the largest energy.
@@ -326,6 +324,13 @@ inline double inserted_fraction_before(const RestartParameters& restarts, double
 /// The number of rounds for the largest angle that follow at most.
 inline int largest_angle_rounds(const Options& options) {
   return options.restarts >= 0 ? options.restarts : tuning_of(options.effort).restart.rounds;
+}
+
+/// The number of vertices that phases after alternate() may remove beyond those that they insert, of a mesh of a given
+/// number.
+inline Size removable_vertices(Size vertices) {
+  constexpr double kMaxRemoved = 0.1;
+  return Size(kMaxRemoved * double(vertices));
 }
 
 /// Whether the distance of the surface from the input's is limited.

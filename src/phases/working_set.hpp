@@ -27,6 +27,7 @@ struct WorkingSet {
   Size tangled = 0;
   bool is_neighborhood = false;  ///< of a larger mesh
   Size outside = 0;              ///< the number of tetrahedra of that mesh outside it
+  Size removable = 0;            ///< the number of vertices that may be removed beyond those inserted
   /// The power of two by which the caller's coordinates are multiplied: see unit_scale().
   double scale = 1;
   std::vector<VertexConstraint> vertex_constraints;

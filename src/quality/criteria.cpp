@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "mesh/messages.hpp"
+#include "quality/check_measures.hpp"
 #include "tetune/error.hpp"
 #include "tetune/quality.hpp"
 
@@ -20,8 +22,13 @@ constexpr bool kOfFaces = true, kOfTets = false;
 
 CheckMeasureInfo info(Measure measure) {
   const bool is_angle = measure == Measure::min_dihedral || measure == Measure::max_dihedral;
-  return {M(measure), to_string(measure), larger_is_better(measure), kOfTets, is_angle ? "degrees" : ""};
+  return {M(measure), to_string(measure),        larger_is_better(measure),
+          kOfTets,    is_angle ? "degrees" : "", is_angle ? kRegularDihedral : 1};
 }
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+/// The regular tetrahedron's sqrt(3/2).
+constexpr double kRegularEdgeAltitude = 1.2247448713915890;
 
 const std::array<CheckMeasureInfo, kCheckMeasures> kMeasureTable{
     info(Measure::min_dihedral),
@@ -33,21 +40,21 @@ const std::array<CheckMeasureInfo, kCheckMeasures> kMeasureTable{
     info(Measure::radius_ratio),
     info(Measure::aspect_ratio),
     info(Measure::harmonic),
-    CheckMeasureInfo{M::volume, "volume", kLarger, kOfTets, "length^3"},
-    CheckMeasureInfo{M::jacobian_ratio, "jacobian_ratio", kSmaller, kOfTets, ""},
-    CheckMeasureInfo{M::min_face_angle, "min_face_angle_deg", kLarger, kOfTets, "degrees"},
-    CheckMeasureInfo{M::max_face_angle, "max_face_angle_deg", kSmaller, kOfTets, "degrees"},
-    CheckMeasureInfo{M::equiangle_skew, "equiangle_skew", kSmaller, kOfTets, ""},
-    CheckMeasureInfo{M::volume_skew, "volume_skew", kSmaller, kOfTets, ""},
-    CheckMeasureInfo{M::collapse, "collapse", kLarger, kOfTets, ""},
-    CheckMeasureInfo{M::edge_ratio, "edge_ratio", kSmaller, kOfTets, ""},
-    CheckMeasureInfo{M::edge_altitude_ratio, "edge_altitude_ratio", kSmaller, kOfTets, ""},
-    CheckMeasureInfo{M::triangle_aspect, "triangle_aspect", kSmaller, kOfTets, ""},
-    CheckMeasureInfo{M::shortest_edge, "shortest_edge", kLarger, kOfTets, "length"},
-    CheckMeasureInfo{M::min_altitude, "min_altitude", kLarger, kOfTets, "length"},
-    CheckMeasureInfo{M::orthogonal_quality, "orthogonal_quality", kLarger, kOfTets, ""},
-    CheckMeasureInfo{M::non_orthogonality, "non_orthogonality_deg", kSmaller, kOfFaces, "degrees"},
-    CheckMeasureInfo{M::face_skewness, "face_skewness", kSmaller, kOfFaces, ""}};
+    CheckMeasureInfo{M::volume, "volume", kLarger, kOfTets, "length^3", kUnbounded},
+    CheckMeasureInfo{M::jacobian_ratio, "jacobian_ratio", kSmaller, kOfTets, "", 1},
+    CheckMeasureInfo{M::min_face_angle, "min_face_angle_deg", kLarger, kOfTets, "degrees", 60},
+    CheckMeasureInfo{M::max_face_angle, "max_face_angle_deg", kSmaller, kOfTets, "degrees", 60},
+    CheckMeasureInfo{M::equiangle_skew, "equiangle_skew", kSmaller, kOfTets, "", 0},
+    CheckMeasureInfo{M::volume_skew, "volume_skew", kSmaller, kOfTets, "", 0},
+    CheckMeasureInfo{M::collapse, "collapse", kLarger, kOfTets, "", 1},
+    CheckMeasureInfo{M::edge_ratio, "edge_ratio", kSmaller, kOfTets, "", 1},
+    CheckMeasureInfo{M::edge_altitude_ratio, "edge_altitude_ratio", kSmaller, kOfTets, "", kRegularEdgeAltitude},
+    CheckMeasureInfo{M::triangle_aspect, "triangle_aspect", kSmaller, kOfTets, "", 1},
+    CheckMeasureInfo{M::shortest_edge, "shortest_edge", kLarger, kOfTets, "length", kUnbounded},
+    CheckMeasureInfo{M::min_altitude, "min_altitude", kLarger, kOfTets, "length", kUnbounded},
+    CheckMeasureInfo{M::orthogonal_quality, "orthogonal_quality", kLarger, kOfTets, "", 1},
+    CheckMeasureInfo{M::non_orthogonality, "non_orthogonality_deg", kSmaller, kOfFaces, "degrees", 0},
+    CheckMeasureInfo{M::face_skewness, "face_skewness", kSmaller, kOfFaces, "", 0}};
 
 /// The limit by which no volume may be zero or negative: check() measures a positive one as at least this, even
 /// where it is below the range of normal doubles.
@@ -95,6 +102,13 @@ const std::array kPresets{
                         both(M::non_orthogonality, 70, 90, "checkMesh, primitiveMesh::nonOrthThreshold_"),
                         fails(M::face_skewness, 4, "checkMesh, primitiveMesh::skewThreshold_")}}};
 
+/// Whether no element meets a limit. One that is the best value, rounded to six digits, is accepted.
+bool is_out_of_reach(double limit, const CheckMeasureInfo& measure) {
+  if (std::isinf(measure.best)) return false;
+  const double rounding = 1e-5 * measure.best;
+  return measure.larger_is_better ? limit > measure.best + rounding : limit < measure.best - rounding;
+}
+
 }  // namespace
 
 std::span<const CheckMeasureInfo> check_measures() { return kMeasureTable; }
@@ -122,6 +136,12 @@ void check_criterion(const AcceptanceCriterion& c) {
   if (!c.warn && !c.fail) refuse("has no limit; give warn, fail or both");
   if ((c.warn && !std::isfinite(*c.warn)) || (c.fail && !std::isfinite(*c.fail)))
     refuse("has a limit that is no number");
+  for (const auto& [verdict, limit] : {std::pair("warns", c.warn), std::pair("fails", c.fail)}) {
+    if (!limit || !is_out_of_reach(*limit, info_of(c.measure))) continue;
+    const double best = info_of(c.measure).best;
+    refuse(std::string(verdict) + " by the limit " + short_text(*limit) +
+           ", which no element meets: the best value is " + short_text(best));
+  }
   if (!(c.allowed_percent >= 0 && c.allowed_percent <= 100)) refuse("allows a percentage that is not in 0 to 100");
   if (!c.warn || !c.fail) return;
   const bool larger = info_of(c.measure).larger_is_better;

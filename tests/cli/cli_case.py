@@ -126,6 +126,18 @@ def cube(n, jitter=0.2, seed=1, two_regions=False):
     return Mesh(points, tets, [i % 5 for i in range(len(points))], tags)
 
 
+def layer(n, thickness):
+    """The lowest n x n cells of cube(n), of another thickness; the same displacements of inner vertices on both sides."""
+    whole = cube(n, jitter=0)
+    count = (n + 1) ** 2
+    shift = random.Random(1)
+    bottom = [(x + shift.uniform(-0.2, 0.2) / n, y + shift.uniform(-0.2, 0.2) / n) if 0 < x < 1 and 0 < y < 1 else (x, y)
+              for x, y, _ in whole.points[:count]]
+    tets = [tet for tet in whole.tets if max(tet) < 2 * count]
+    points = [(x, y, z) for z in (0, thickness) for x, y in bottom]
+    return Mesh(points, tets, [0] * len(points), [1] * len(tets))
+
+
 # Valid, and folded over itself: a 2-3 flip of two of them makes a face of the first a second time.
 OVERLAPPING = """MeshVersionFormatted 2
 Dimension 3

@@ -113,6 +113,7 @@ class Criteria(CliTest):
                            ("[edge_ratio]\nfail = 2\nwarn = 3\n", ["mine.toml:1:", "edge_ratio", "at most fail"]),
                            ("[edge_ratio]\n", ["mine.toml:1:", "no limit"]),
                            ("edge_ratio = 2\n", ["mine.toml:1:", "must be a table"]),
+                           ("\n[scaled_jacobian]\nwarn = 1.5\n", ["mine.toml:2:", "the best value is 1"]),
                            ("[edge_ratio\nfail = 2\n", ["mine.toml:1:", "not TOML"]),
                            ("[edge_ratio]\n\0", ["mine.toml:2:", "control character"]),
                            ("", ["mine.toml", "no criterion"])):

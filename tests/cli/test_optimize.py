@@ -3,11 +3,10 @@
 
 import csv
 import json
-import random
 from pathlib import Path
 
 import cli_case
-from cli_case import MEASURES, QUALITY_KEYS, CliTest, Mesh, cube, unflipped
+from cli_case import MEASURES, QUALITY_KEYS, CliTest, Mesh, cube, layer, unflipped
 
 TRACE_COLUMNS = ["event", "iteration", "pass", "energy_before", "decrease", "gradient_norm2", "moved", "active",
                  "evaluated", "flips_2_3", "flips_3_2", "edge_removals", "face_removals", "boundary_flips", "seconds"]
@@ -242,15 +241,7 @@ class Optimize(CliTest):
 
     def test_a_layer_whose_largest_angle_grows(self):
         """In a layer of one element that is a hundred times as wide as thick the warning has the angles of the tables."""
-        n = 8
-        whole = cube(n, jitter=0)
-        layer = (n + 1) ** 2
-        shift = random.Random(1)
-        bottom = [(x + shift.uniform(-0.2, 0.2) / n, y + shift.uniform(-0.2, 0.2) / n) if 0 < x < 1 and 0 < y < 1 else (x, y)
-                  for x, y, _ in whole.points[:layer]]
-        tets = [tet for tet in whole.tets if max(tet) < 2 * layer]
-        points = [(x, y, z) for z in (0, 0.01) for x, y in bottom]
-        self.put("in.mesh", Mesh(points, tets, [0] * len(points), [1] * len(tets)))
+        self.put("in.mesh", layer(8, 0.01))
         done = self.run_cli("optimize", "in.mesh", "-o", "out.mesh", "--report", "r.json", cwd=self.folder)
         report = json.loads(self.read_bytes("r.json"))
         before, after = (report[part]["dihedral_max_deg"] for part in ("before", "after"))
@@ -261,7 +252,7 @@ class Optimize(CliTest):
             done = self.run_cli("optimize", "in.mesh", "-o", "out.mesh", *words, cwd=self.folder)
             self.assertEqual(done.stderr.count("at the expense of others"), count, words)
         # The same elements in a thick layer.
-        self.put("in.mesh", Mesh([(x, y, 10 * z) for x, y, z in points], tets, [0] * len(points), [1] * len(tets)))
+        self.put("in.mesh", layer(8, 0.1))
         self.assertNotIn("expense", self.run_cli("optimize", "in.mesh", "-o", "out.mesh", cwd=self.folder).stderr)
 
 

@@ -198,7 +198,22 @@ class Series(CliTest):
             done = self.run_cli("move", self.series([(0, "a.vtk"), (1, "b.vtk")]), "-o", self.path("out.pvd"),
                                 "--boundary", boundary)
             self.assertIn("out_0001.vtu, nothing moved\n", done.stdout)
+            self.assertIn("if point data are their displacements, name these with --displacement", done.stderr)
             self.assertEqual(self.points("out_0001.vtu"), self.mesh.points)
+
+    @needs_vtk
+    def test_displacements_that_are_not_named(self):
+        zero = [(0, 0, 0)] * len(self.mesh.points)
+        up = [(0, 0, 0.1 * p[2]) for p in self.mesh.points]
+        self.vtk("a.vtk", self.mesh.points, data=[("u", zero)])
+        self.vtk("b.vtk", self.mesh.points, data=[("u", up)])
+        names = self.series([(0, "a.vtk"), (1, "b.vtk")])
+        done = self.run_cli("move", names, "-o", self.path("out.pvd"), "--quiet", "--report", self.path("r.json"))
+        self.assertIn("a.vtk has: u)", done.stderr)
+        with open(self.path("r.json")) as file:
+            self.assertIn("nothing moved", json.load(file)["warnings"][0])
+        done = self.run_cli("move", names, "-o", self.path("out.pvd"), "--displacement", "u")
+        self.assertNotIn("nothing moved", done.stderr)
 
     def listed(self, name="out.pvd"):
         """The files that a series lists; none if there is no series yet."""

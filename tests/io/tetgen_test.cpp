@@ -127,15 +127,24 @@ TEST_F(TetGenTest, BrokenFiles) {
   expect("number of edges is 2000000000", kNode0, kEle0, "1 0\n0 0 1 2\n", "2000000000 0\n0 0 1\n");
 }
 
-TEST_F(TetGenTest, ATruncationIsNoticedButForTheLastTag) {
+TEST_F(TetGenTest, ATruncationIsNoticed) {
   put_all("4 3 0 1\n1 0 0 0 5\n2 1 0 0 6\n3 0 1 0 7\n4 0 0 1 8", "1 4 1\n1 1 2 3 4 9", "1 1\n1 1 2 3 5");
   for (const std::string name : {"m.node", "m.ele", "m.face"}) {
     const std::string whole = get(name);
-    // Elements may lack their tags.
-    const std::vector<std::size_t> without_tag{whole.size() - 2, whole.size() - 1};
-    EXPECT_EQ(silent_cuts(name, whole), name == "m.node" ? std::vector<std::size_t>() : without_tag) << name;
+    EXPECT_EQ(silent_cuts(name, whole), std::vector<std::size_t>()) << name;
     put(name, whole);
   }
+}
+
+TEST_F(TetGenTest, LinesWithoutAnAnnouncedTagAreNamed) {
+  std::vector<std::string> warnings;
+  const TetMesh mesh =
+      read_mesh(put_all(kNode0, "1 4 1\n# hand-made\n0 0 1 2 3\n", "3 1\n0 0 2 1 7\n1 0 1 3\n2 0 3 2\n"), &warnings);
+  EXPECT_EQ(mesh.tet_tags, std::vector<int>{0});
+  EXPECT_EQ(mesh.triangle_tags, (std::vector<int>{7, 0, 0}));
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_TRUE(contains(warnings[0], "m.ele:3: this is the first of 1 lines without the attribute that"));
+  EXPECT_TRUE(contains(warnings[1], "m.face:3: this is the first of 2 lines without the boundary marker that"));
 }
 
 /// Point numbers of 1-based files start at 1: a 0 there is an error, not vertex -1.

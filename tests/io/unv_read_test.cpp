@@ -229,12 +229,13 @@ TEST_F(Unv, ATruncationWithinADataSetIsNoticed) {
   const std::string elements = unv_set("2412", kUnvTet);
   const std::string whole = kUnvNodes + elements + unv_set("2467", group(4, "part", {{8, 1}}));
   std::vector<std::size_t> between;
-  for (const std::size_t end : {kUnvNodes.size(), kUnvNodes.size() + elements.size()}) {
-    // From before the end of the line to the blanks of the next data set.
-    for (std::size_t n = end - 1; n <= end + 4; ++n) between.push_back(n);
-  }
+  const std::size_t end = kUnvNodes.size() + elements.size();
+  // From before the end of the line to the blanks of the next data set, which is not needed.
+  for (std::size_t n = end - 1; n <= end + 4; ++n) between.push_back(n);
   between.push_back(whole.size() - 1);
   EXPECT_EQ(silent_cuts("a.unv", whole), between);
+  read(kUnvNodes);
+  EXPECT_TRUE(warned("it has nodes and no elements (data set 2412); the file may be cut short after line 1"));
 }
 
 TEST_F(Unv, DataSetsThatAreNotReadAreNamed) {

@@ -238,6 +238,13 @@ class Contract(MpiTest):
             self.assertGreater(moved, 50)
             self.assertEqual(after.point_tags, cube.point_tags)
 
+    def test_a_layer_whose_largest_angle_grows(self):
+        done = self.mpi(1, self.put("in.mesh", cli_case.layer(8, 0.01)), self.path("out.mesh"))
+        self.assertRegex(done.stderr, "tetune-mpi: warning: the worst elements improved at the expense of others .largest dihedral "
+                                      "angle .*tetune optimize --only-below changes")
+        done = self.mpi(1, self.put("in.mesh", cli_case.layer(8, 0.1)), self.path("out.mesh"))
+        self.assertNotIn("expense", done.stderr)
+
     def test_inside_out_and_unused_vertices(self):
         cube = cli_case.cube(6)
         cube.tets = [(a, b, d, c) for a, b, c, d in cube.tets]

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "driver/report/run_warnings.hpp"
 #include "move_fixture.hpp"
 
 namespace tetune {
@@ -83,6 +84,15 @@ TEST(MoveWarnings, NameElementsOfOtherKindsThatTheMotionInverts) {
       EXPECT_EQ(r.warnings(false), r.optimization.warnings);
     }
   }
+}
+
+/// No memory is needed when the mesh has changed.
+TEST(MoveWarnings, HaveRoomForOneOfEachBlock) {
+  TetMesh m = beside_solids(kSolids[0], 1);
+  m.others.resize(40, m.others[0]);
+  Report report;
+  RunWarnings(m, {}).add_to(report);
+  EXPECT_GE(report.warnings.capacity(), report.warnings.size() + 1 + m.others.size());
 }
 
 TEST(MoveWarnings, LeaveOutElementsThatWereInvertedBefore) {

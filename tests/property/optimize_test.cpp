@@ -118,6 +118,21 @@ TEST(Optimize, InsertsWithinTheAllowedGrowth) {
   EXPECT_GT(growths.back(), 1.1);
 }
 
+TEST(Optimize, RemovesAtMostATenthOfTheVertices) {
+  // Flat elements, which improve where there are fewer of them.
+  TetMesh before = test::cube(6);
+  for (Point3& p : before.points) p[2] *= 0.02;
+  for (const Boundary boundary : {Boundary::preserve, Boundary::slide}) {
+    Options options;
+    options.effort = Effort::best;
+    options.boundary = boundary;
+    TetMesh after = before;
+    const Report report = optimize(after, options);
+    EXPECT_GT(report.vertices_removed, 0);
+    EXPECT_GE(double(after.points.size()), 0.9 * double(before.points.size()));
+  }
+}
+
 /// For each vertex half the mean length of its edges on the boundary; 0 for inner ones.
 std::vector<double> half_surface_edges(const TetMesh& mesh) {
   std::vector<double> sum(mesh.points.size(), 0);

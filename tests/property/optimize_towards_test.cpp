@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -178,6 +179,26 @@ TEST(OptimizeTowards, LossesAreVerdictsThenFailingThenWarningElements) {
   EXPECT_EQ(losses_in(before, report(result(warn, 1, 99), result(warn, 0, 0))), "");
   EXPECT_EQ(losses_in(report(result(pass, 0, 0), result(warn, 0, 7)), report(result(warn, 0, 2), result(warn, 0, 0))),
             "edge_ratio: pass -> warn, 0 -> 2 warn");
+}
+
+TEST(OptimizeTowards, AValueThatIsNotANumberIsTheWorst) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const CheckMeasure measure : {CheckMeasure::edge_ratio, CheckMeasure::gamma}) {
+    const auto report = [measure](double worst) {
+      CriterionResult r{{measure, 1, 2}, Verdict::fail};
+      r.worst = worst;
+      return AcceptanceReport{"test", Verdict::fail, {r}};
+    };
+    const auto worse = [&](double before, double after) {
+      return has_worse_value(report(before), report(after), Verdict::fail);
+    };
+    EXPECT_FALSE(worse(nan, 3));
+    EXPECT_FALSE(worse(nan, nan));
+    EXPECT_TRUE(worse(3, nan));
+    EXPECT_FALSE(worse(3, 3));
+    EXPECT_EQ(worse(3, 4), measure == CheckMeasure::edge_ratio);
+    EXPECT_EQ(worse(3, 2), measure == CheckMeasure::gamma);
+  }
 }
 
 /// The smallest volume of a layer, which a single tetrahedron may miss.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <set>
 #include <string>
 #include <utility>
@@ -33,7 +34,10 @@ CriterionResult result_of(const TetMesh& mesh, const AcceptanceCriterion& criter
 }
 
 /// The worst value of a measure.
-double worst(const TetMesh& mesh, CheckMeasure measure) { return result_of(mesh, {measure, 0.0, {}}).worst; }
+double worst(const TetMesh& mesh, CheckMeasure measure) {
+  const double best = info_of(measure).best;
+  return result_of(mesh, {measure, std::isinf(best) ? 0 : best, {}}).worst;
+}
 
 TEST(CheckMeasures, TableIsInOrder) {
   std::set<std::string> names;
@@ -256,6 +260,15 @@ TEST(Acceptance, PresetsAreComplete) {
   EXPECT_EQ(find_preset("Abaqus"), nullptr);
 }
 
+bool is_refused(const AcceptanceCriterion& criterion) {
+  try {
+    check_criterion(criterion);
+  } catch (const OptionError&) {
+    return true;
+  }
+  return false;
+}
+
 TEST(Acceptance, WrongCriteriaAreRefused) {
   const TetMesh mesh = test::one_tet();
   const auto refusal = [&](const AcceptanceCriterion& criterion) -> std::string {
@@ -274,6 +287,46 @@ TEST(Acceptance, WrongCriteriaAreRefused) {
   EXPECT_NE(refusal({CheckMeasure::edge_ratio, 5, 4}), "");
   EXPECT_EQ(refusal({CheckMeasure::edge_ratio, 4, 5}), "");
   EXPECT_NE(refusal({CheckMeasure::edge_ratio, 4, 5, 101}), "");
+}
+
+TEST(Acceptance, LimitsThatNoElementMeetsAreRefused) {
+  for (const CheckMeasureInfo& measure : check_measures()) {
+    const double by = std::isinf(measure.best) ? 1e300 : 0.01 * (measure.larger_is_better ? 1 : -1);
+    const double limit = std::isinf(measure.best) ? by : measure.best + by;
+    for (const AcceptanceCriterion& c :
+         {AcceptanceCriterion{measure.measure, limit, {}}, AcceptanceCriterion{measure.measure, {}, limit}}) {
+      EXPECT_EQ(!std::isinf(measure.best), is_refused(c)) << measure.name;
+    }
+    EXPECT_FALSE(is_refused({measure.measure, {}, std::isinf(measure.best) ? 0 : measure.best})) << measure.name;
+  }
+  EXPECT_FALSE(is_refused({CheckMeasure::min_dihedral, {}, 70.5288}));
+  EXPECT_FALSE(is_refused({CheckMeasure::edge_altitude_ratio, {}, 1.22474}));
+  try {
+    check_criterion({CheckMeasure::scaled_jacobian, 0.9, 1.2});
+    ADD_FAILURE() << "accepted";
+  } catch (const OptionError& e) {
+    EXPECT_STREQ(
+        e.what(),
+        "the criterion for scaled_jacobian fails by the limit 1.2, which no element meets: the best value is 1");
+  }
+}
+
+/// Tetrahedra near the regular one are not better than the bounds.
+TEST(CheckMeasures, NoTetrahedronExceedsTheBestValue) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    TetMesh mesh = regular();
+    const double size = std::pow(10, -(i % 5));
+    for (Point3& p : mesh.points) {
+      for (double& x : p) x += size * std::uniform_real_distribution<double>(-1, 1)(random);
+    }
+    for (const CheckMeasureInfo& measure : check_measures()) {
+      if (std::isinf(measure.best) || measure.of_faces) continue;
+      const double value = worst(mesh, measure.measure);
+      const double above = measure.larger_is_better ? value - measure.best : measure.best - value;
+      EXPECT_LE(above, 1e-12 * (1 + measure.best)) << measure.name;
+    }
+  }
 }
 
 TEST(Criteria, ValuesThatAreNoNumbersAreTheWorst) {

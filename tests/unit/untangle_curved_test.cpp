@@ -7,6 +7,7 @@
 #include "curved/curved_edges.hpp"
 #include "driver/curved/curved_skeleton.hpp"
 #include "driver/curved/split_elements.hpp"
+#include "driver/curved/straighten.hpp"
 #include "support/curved.hpp"
 #include "tetune/curve.hpp"
 #include "tetune/error.hpp"
@@ -48,9 +49,9 @@ TEST(UntangleCurved, InvertedElementsAreRefusedOrUntangled) {
   }
 }
 
-/// A cube with a flat face that folds where one mid-side node passes a vertex.
-TetMesh folded_cube() {
-  TetMesh m = test::bulged_cube(0);
+/// A cube with a face, flat or raised by `shift`, that folds where one mid-side node passes a vertex.
+TetMesh folded_cube(double shift = 0) {
+  TetMesh m = test::bulged_cube(shift);
   CurvedEdge& edge = m.curved_edges[3];
   const Point3& p = m.points[static_cast<std::size_t>(edge.vertices[0])];
   const Point3& q = m.points[static_cast<std::size_t>(edge.vertices[1])];
@@ -260,6 +261,30 @@ TEST(UntangleCurved, FoldedSurfaceIsStraightenedWhereAsked) {
   const TetMesh held = beside;
   EXPECT_THROW(optimize(beside, options), MeshError);
   EXPECT_EQ(beside.curved_edges, held.curved_edges);
+}
+
+TEST(UntangleCurved, EdgesBesideOneThatHasToBeStraightKeepTheirCurvature) {
+  TetMesh m = folded_cube(0.03);
+  // No part of its curvature that bisection finds is small enough.
+  CurvedEdge& far = m.curved_edges[3];
+  const std::array<Index, 2> folded = far.vertices;
+  const Vec3 middle = 0.5 * (test::at(m, folded[0]) + test::at(m, folded[1]));
+  far.middle = to_point(middle + 100 * (vec(far.middle) - middle));
+  const std::vector<CurvedEdge> before = m.curved_edges;
+  RelaxationGoal goal;
+  goal.only_valid = true;
+  const std::vector<StraightenedEdge> straightened = straighten(m, find_held(m, {}), {}, goal);
+  EXPECT_TRUE(quality(m).curved.all_valid());
+  ASSERT_EQ(straightened.size(), 1U);
+  EXPECT_EQ(straightened[0].vertices, folded);
+  EXPECT_EQ(straightened[0].kept, 0);
+  for (const CurvedEdge& e : before) {
+    const CurvedEdge* const now = find_edge(m.curved_edges, e.vertices);
+    EXPECT_EQ(now != nullptr, e.vertices != folded);
+    if (now != nullptr) {
+      EXPECT_EQ(now->middle, e.middle);
+    }
+  }
 }
 
 TEST(UntangleCurved, SplitsThatDoNotHelpAreUndone) {

@@ -67,7 +67,7 @@ std::vector<Index> drop_added(std::size_t originals, std::size_t entries, std::v
     kept.push_back(i);
     kept2original.push_back(original);
   }
-  new2original = unless_all(std::move(kept2original), originals);
+  new2original = empty_if_identity(std::move(kept2original), originals);
   return kept;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "backend/span.hpp"
 #include "boundary/constraints.hpp"
@@ -143,10 +144,15 @@ class Straightener {
   }
 
   /// Gives each edge as much of its curvature back as leaves the elements around it valid without relaxation: those of
-  /// a group do not all need the same part.
+  /// a group do not all need the same part. Straight edges, which the mesh does not list, are listed meanwhile.
   void restore_where_valid() {
     std::map<Edge, std::vector<Index>> edge2tets;
-    for (const StraightenedEdge& e : surface_.reduced(mesh_)) edge2tets[e.vertices];
+    std::vector<CurvedEdge> straight;
+    for (const StraightenedEdge& e : surface_.reduced(mesh_)) {
+      edge2tets[e.vertices];
+      if (e.kept == 0) straight.push_back({e.vertices, midpoint(mesh_, e.vertices)});
+    }
+    merge_edges(mesh_.curved_edges, std::move(straight));
     for (Index t = 0; t < std::ssize(mesh_.tets) && !edge2tets.empty(); ++t) {
       for_each_edge(span_of(mesh_.tets)[t], [&](const Edge& e) {
         if (const auto at = edge2tets.find(e); at != edge2tets.end()) at->second.push_back(t);
@@ -167,6 +173,7 @@ class Straightener {
       }
       surface_.set(mesh_, edge, valid);
     }
+    std::erase_if(mesh_.curved_edges, [this](const CurvedEdge& e) { return surface_.is_straight(e.vertices); });
   }
 
   TetMesh& mesh_;

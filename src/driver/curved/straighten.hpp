@@ -19,6 +19,8 @@ class SurfaceCurvature {
 
   bool has(const Edge& edge) const { return surface_.contains(edge); }
   double kept(const Edge& edge) const { return surface_.at(edge).kept; }
+  /// Whether an edge of the surface has none of its curvature.
+  bool is_straight(const Edge& edge) const { return has(edge) && kept(edge) == 0; }
   /// Gives an edge of the surface the part `kept` of its curvature.
   void set(const TetMesh& mesh, CurvedEdge& edge, double kept);
   /// Multiplies the curvature of the edges on the surface of listed tetrahedra by `kept`. With 0 these edges become

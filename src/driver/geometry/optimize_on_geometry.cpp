@@ -304,7 +304,7 @@ class GeometryRun {
     keep_triangles(mesh, positions_of_kept(keep));
     mesh.triangle_data = take_entries(input.triangle_data, new2input);
     total.triangles_dropped = std::ssize(input.triangles) - std::ssize(mesh.triangles);
-    total.triangle2original = unless_all(std::move(new2input), input.triangles.size());
+    total.triangle2original = empty_if_identity(std::move(new2input), input.triangles.size());
     // The total has the changes of the energy by runs, but not those by projections.
     const Quality measured = quality(mesh, options_.threads);
     total.energy_after = options_.energy == Energy::harmonic ? measured.eta_sum : measured.shape_sum;

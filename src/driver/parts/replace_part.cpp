@@ -270,8 +270,8 @@ class PartReplacement {
     edge_data_ = take_entries(mesh_.edge_data, edge2original_);
     report_.vertex2original = std::move(vertex2original_);
     report_.tet2original = std::move(tet2original_);
-    report_.triangle2original = unless_all(std::move(triangle2original_), mesh_.triangles.size());
-    report_.edge2original = unless_all(std::move(edge2original_), mesh_.edges.size());
+    report_.triangle2original = empty_if_identity(std::move(triangle2original_), mesh_.triangles.size());
+    report_.edge2original = empty_if_identity(std::move(edge2original_), mesh_.edges.size());
   }
 
   /// Carries sets of nodes, and gives inserted vertices tags. Requires the data and the places of the whole mesh.

@@ -3,24 +3,17 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <type_traits>
 #include <utility>
 
+#include "mesh/transfer/floating_data.hpp"
 #include "tetune/option_table.hpp"
 
 namespace tetune {
 namespace {
 
-bool is_floating(const DataArray& array) {
-  return std::visit(
-      [](const auto& values) {
-        return std::is_floating_point_v<typename std::remove_cvref_t<decltype(values)>::value_type>;
-      },
-      array.values);
-}
-
-/// Room for the warnings on fields, of the run and on frozen vertices, and one per list of solids of other kinds.
-constexpr std::size_t kRoom = 9;
+/// The number of warnings that may be added after the run: on fields, of the run and on frozen vertices, and one per
+/// block of other elements.
+std::size_t max_further(const TetMesh& mesh) { return 3 + mesh.others.size(); }
 
 bool has_moved(const Report& report) {
   const auto moved = [](const auto& step) { return step.moved > 0; };
@@ -31,7 +24,7 @@ bool has_moved(const Report& report) {
 }  // namespace
 
 RunWarnings::RunWarnings(const TetMesh& mesh, const Options& options) : warnings_(ineffective_options(options)) {
-  warnings_.reserve(warnings_.size() + kRoom);
+  warnings_.reserve(warnings_.size() + max_further(mesh));
   if (options.data != DataTransfer::carry) return;
   std::string names;
   for (const DataArray& array : mesh.point_data) {

@@ -57,12 +57,15 @@ std::int64_t read_nodes(const std::string& path, TetMesh& mesh, const IoContext&
   return base;
 }
 
-/// Reads elements of N vertices; a tag of the name `tag_name` follows the vertices unless that is null.
+/// Reads elements of N vertices; a tag of the name `tag_name` follows the vertices unless that is null. Elements
+/// without it are a warning, as the file may be cut short.
 template <std::size_t N>
-void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, const char* tag_name,
+void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, const char* tag_name, const IoContext& context,
                std::vector<std::array<Index, N>>& elements, std::vector<int>& tags) {
   elements.resize(n);
   tags.assign(n, 0);
+  std::size_t untagged = 0;
+  std::string place;  // of the first of these
   for (std::size_t i = 0; i < n; ++i) {
     cursor.integer("element number");
     for (Index& v : elements[i]) {
@@ -73,10 +76,19 @@ void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, const char*
       }
       v = static_cast<Index>(id);
     }
-    if (tag_name != nullptr && !cursor.line_done()) tags[i] = read_tag(cursor, tag_name);
+    if (tag_name != nullptr) {
+      if (!cursor.line_done()) {
+        tags[i] = read_tag(cursor, tag_name);
+      } else if (untagged++ == 0) {
+        place = cursor.at_line("");
+      }
+    }
     while (!cursor.line_done()) cursor.word();  // second-order nodes, neighbors and the like
   }
   expect_end(cursor);
+  if (untagged == 0) return;
+  context.warn(place + "this is the first of " + std::to_string(untagged) + " lines without the " + tag_name +
+               " that the header announces, which is 0 then; the file may be cut short");
 }
 
 }  // namespace
@@ -98,7 +110,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     }
     const std::int64_t attributes = cursor.line_done() ? 0 : cursor.integer("number of attributes");
     if (attributes > 1) context.warn(sibling(".ele") + ": the attributes of tetrahedra after the first are not kept");
-    read_rows(cursor, n, base, attributes > 0 ? "attribute" : nullptr, mesh.tets, mesh.tet_tags);
+    read_rows(cursor, n, base, attributes > 0 ? "attribute" : nullptr, context, mesh.tets, mesh.tet_tags);
   }
   const auto read_optional = [&](const char* ending, const char* count, int numbers, auto& elements, auto& tags) {
     const std::string name = sibling(ending);
@@ -108,7 +120,7 @@ TetMesh read_tetgen(const std::string& path, const IoContext& context) {
     TextCursor cursor(name, file.bytes());
     const std::size_t n = checked_count(cursor, count, numbers, kMaxEntries);
     const bool marker = !cursor.line_done() && cursor.integer("boundary marker flag") != 0;
-    read_rows(cursor, n, base, marker ? "boundary marker" : nullptr, elements, tags);
+    read_rows(cursor, n, base, marker ? "boundary marker" : nullptr, context, elements, tags);
     return true;
   };
   if (!read_optional(".face", "number of faces", 4, mesh.triangles, mesh.triangle_tags)) {

@@ -230,6 +230,10 @@ class UnvReader {
       warn("the data sets " + listed_texts(sets) + " are not kept");
     }
     if (lines_.is_open()) warn("it does not end with -1 after the lines of a data set; the file may be cut short");
+    if (model_.elements.empty() && model_.ignored_elements.empty()) {
+      warn("it has nodes and no elements (data set 2412); the file may be cut short after line " +
+           std::to_string(lines_.line()));
+    }
     if (!model_.ignored_elements.empty()) {
       std::string list;
       std::size_t n = 0;

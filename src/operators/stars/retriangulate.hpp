@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+
 #include "boundary/boundary_triangles.hpp"
 #include "boundary/vertex_dofs.hpp"
 #include "operators/engine/flip_state.hpp"
@@ -30,6 +32,8 @@ struct RetriangulationLimits {
   double min_gain;     ///< what must fall in a cavity falls by at least this part
   /// Above 0: the mean energy of the mesh. Vertices are inserted and removed so that it falls, at all tetrahedra given.
   double mean_energy = 0;
+  /// Where more vertices than this would be removed beyond those inserted, the pass is repeated without removal.
+  Size max_removed = std::numeric_limits<Size>::max();
 };
 
 /// Improves the `worst` tetrahedra, listed in ascending order, by operators that retriangulate a cavity from one point.

@@ -86,6 +86,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
                             .vertex_cost = limits.vertex_cost,
                             .min_gain = limits.min_gain,
                             .inserts = true,
+                            .removes = true,
                             .proposers = edits_vertices ? tets : Span<const Index>{},
                             .mean_energy = limits.mean_energy};
   StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, first_choice, choices};
@@ -95,16 +96,26 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
     backend.for_each(moves.size(), EvaluateMoves{context, tets, moves.span()});
     proposals.moves = moves.span();
   }
-  auto selection = select_candidates(backend, mesh, count, proposals, flips);
+  const auto select = [&] { return select_candidates(backend, mesh, count, proposals, flips); };
+  auto selection = select();
   const auto has_room = [&] {
     const ChangeCounts& total = selection.total;
     const bool is_within_limit =
         total.taken <= total.freed || mesh.tets() + total.taken - total.freed <= limits.max_tets;
     return is_within_limit && SlotChange(mesh, total).needed <= kMaxSlots;
   };
-  if (!has_room() && edits_vertices) {
-    proposals.inserts = false;
-    selection = select_candidates(backend, mesh, count, proposals, flips);
+  const auto removes_too_many = [&] {
+    return Size{selection.total.removed} - Size{selection.total.inserted} > limits.max_removed;
+  };
+  while (edits_vertices) {
+    if (proposals.removes && removes_too_many()) {
+      proposals.removes = false;
+    } else if (proposals.inserts && !has_room()) {
+      proposals.inserts = false;
+    } else {
+      break;
+    }
+    selection = select();
   }
   if (selection.size() == 0 || !has_room()) return {};
   const ChangeCounts& total = selection.total;

@@ -40,6 +40,7 @@ struct StarContext {
   double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
   double min_gain;     ///< the largest cost, or the energy of the cavity, must fall by this part
   bool inserts;        ///< vertices may be inserted
+  bool removes;        ///< vertices may be removed
   /// The proposing tetrahedra in ascending order: an edge of several is removed by the first of them only. Empty: each
   /// proposes all its edges.
   Span<const Index> proposers = {};

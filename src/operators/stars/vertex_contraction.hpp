@@ -14,7 +14,7 @@ struct VertexContraction {
 
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int corner) {
-    if (!p.may_change_vertices(t)) return;
+    if (!p.removes || !p.may_change_vertices(t)) return;
     const Index v = p.mesh.tet2vertex[t][corner];
     StarCavity star = p.cavity(0);
     if (!p.is_movable(v) || !star.take_vertex(t, corner, p.team)) return;

@@ -54,10 +54,7 @@ std::vector<DihedralCots> extreme_cots(const Cpu& backend, const MeshView& mesh,
 }
 
 DihedralCots merge(DihedralCots extremes, const std::vector<DihedralCots>& all) {
-  for (const DihedralCots& cots : all) {
-    extremes.max = std::max(extremes.max, cots.max);
-    extremes.min = std::min(extremes.min, cots.min);
-  }
+  for (const DihedralCots& cots : all) extremes.merge(cots);
   return extremes;
 }
 
@@ -157,6 +154,7 @@ struct RestartSearch::Restart {
   std::vector<DihedralCots> cots;  ///< per slot, afterwards
   bool is_better = false;
 
+  Size removed() const { return report.vertices_removed - report.vertices_inserted; }
   Size growth() const { return neighborhood->work.mesh.tets() - std::ssize(found.slots); }
 };
 
@@ -273,6 +271,7 @@ void RestartSearch::run(Restart& restart, const TrianglesByLowestVertex& triangl
   Neighborhood& neighborhood = restart.neighborhood.emplace(whole_, restart.found, triangles);
   neighborhood.work.is_neighborhood = true;
   neighborhood.work.outside = whole_.tets() - std::ssize(restart.found.slots);
+  neighborhood.work.removable = removable();
   restart.report.tets_before = input_.tets_before;
   PhaseTimer timer(restart.report);
   Optimizer<Cpu> optimizer(backend, neighborhood.work, options_, context, timer);
@@ -357,7 +356,8 @@ void RestartSearch::finish(RestartSpot& spot, WorstReport& r) {
   for (Size i = 0; i < std::ssize(spot.tries) && i <= first_success; ++i) {
     Restart& restart = *span_of(spot.tries)[i];
     ++restarts_;
-    const bool has_room = restart.growth() <= 0 || double(whole_.tets() + restart.growth()) <= max_tets;
+    const bool has_room = (restart.growth() <= 0 || double(whole_.tets() + restart.growth()) <= max_tets) &&
+                          restart.removed() <= std::max(removable(), Size{0});
     if (i == first_success && has_room) {
       add(restart.changes, r);
       keep(restart);

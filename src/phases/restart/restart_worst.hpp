@@ -24,6 +24,7 @@ struct RestartInput {
   QualityFloor input_floor;  ///< no tetrahedron may become worse
   double mean_energy;        ///< per tetrahedron, of the shape energy
   Size tets_before;          ///< of the caller's mesh
+  Size removable;            ///< WorkingSet::removable
 };
 
 /// Iterated local search on the host: see restart_worst().
@@ -42,6 +43,8 @@ class RestartSearch {
   /// The smallest dihedral angle in degrees with Options::trace_angles, else 0.
   double traced_angle() const;
   void add_to(Report& report) const;
+  /// The number of vertices that may be removed in further work (WorkingSet::removable).
+  Size removable() const { return input_.removable + counts_.vertices_inserted - counts_.vertices_removed; }
 
  private:
   struct Restart;
@@ -101,7 +104,8 @@ bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& input_floo
                                                                  {{}, [&backend] { return backend.stop_requested(); }},
                                                                  input_floor,
                                                                  optimizer.energy() / double(work.mesh.tets()),
-                                                                 Size{optimizer.report.tets_before}});
+                                                                 Size{optimizer.report.tets_before},
+                                                                 work.removable});
   });
   const int rounds_in_all = rounds + largest_angle_rounds(optimizer.options);
   int round = 0;
@@ -125,6 +129,7 @@ bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& input_floo
     proceeds = run_until(round + largest_angle_rounds(optimizer.options));
   }
   search->add_to(optimizer.report);
+  work.removable = search->removable();
   if (!search->has_changed()) return proceeds;
   optimizer.timer.measure(Phase::restarts, [&] {
     upload_work(backend, whole, work);

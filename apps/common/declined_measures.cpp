@@ -5,7 +5,7 @@
 
 namespace tetune::cli {
 
-std::vector<std::string> declined_measures(const Quality& before, const Quality& after) {
+std::vector<std::string> declined_measures(const Quality& before, const Quality& after, const std::string& local) {
   // Angles up to kHarmless degrees may grow at will; beyond, one counts that is nearer to 180 degrees by kNearer.
   constexpr double kHarmless = 150, kNearer = 0.5, kLowerAngle = 0.9, kLowerRatio = 0.97;
   if (before.tets == 0 || after.tets == 0) return {};
@@ -20,8 +20,8 @@ std::vector<std::string> declined_measures(const Quality& before, const Quality&
     add("angle that 5 % are below", 2, before.dihedral_p5, after.dihedral_p5);
   if (after.mean_ratio < kLowerRatio * before.mean_ratio) add("mean ratio", 4, before.mean_ratio, after.mean_ratio);
   if (declined.empty()) return {};
-  return {"the worst elements improved at the expense of others (" + declined +
-          "); --only-below changes the worst ones and their neighbors alone"};
+  return {"the worst elements improved at the expense of others (" + declined + "); " + local +
+          " changes the worst ones and their neighbors alone"};
 }
 
 }  // namespace tetune::cli
