@@ -232,13 +232,5 @@ TEST_F(Inp, SetsOfShellsAreGroupsWhereNoPatchHasTheirTag) {
   EXPECT_EQ(groups_of(with_patch, 2).count("OUT"), 1U);
 }
 
-TEST_F(Inp, PartsAndAssembliesAreRefused) {
-  for (const char* card : {"*Part, name=P", "*Assembly, name=A", "*Instance, name=P-1, part=P"}) {
-    const std::string said = read_error(put("a.inp", std::string("*HEADING\n") + card + "\n" + kTwoTets));
-    EXPECT_TRUE(contains(said, "a.inp:2: *")) << said;
-    EXPECT_TRUE(contains(said, "decks of parts and assemblies are not supported; write a flat deck")) << said;
-  }
-}
-
 }  // namespace
 }  // namespace tetune::test

@@ -14,12 +14,11 @@ bool is_one_of(const std::string& name, const std::array<const char*, N>& names)
 
 constexpr const char* kGenerated =
     "this card generates parts of the mesh; let the program write a deck with all nodes and elements";
-constexpr const char* kOfParts =
-    "decks of parts and assemblies are not supported; write a flat deck (Abaqus/CAE: Model > Edit Attributes > Do not "
-    "use parts and assemblies in input files)";
 
 /// The data lines of these cards have neither nodes nor elements.
 constexpr std::array kWithoutLabels{
+    // Parts
+    "ASSEMBLY", "ENDASSEMBLY", "ENDINSTANCE", "ENDPART", "INSTANCE", "PART",
     // Steps and output
     "AMPLITUDE", "BASEMOTION", "BUCKLE", "COMPLEXFREQUENCY", "CONTACTFILE", "CONTACTOUTPUT", "CONTACTPRINT", "CONTROLS",
     "COUPLEDTEMPERATURE-DISPLACEMENT", "DYNAMIC", "ELECTROMAGNETICS", "ELEMENTOUTPUT", "ELFILE", "ELPRINT", "ENDSTEP",
@@ -102,13 +101,11 @@ void find_fields(const InpKeyword& keyword, InpCardKind& kind) {
 
 InpCardKind inp_card_kind(const InpKeyword& keyword) {
   static constexpr std::array kGenerators{"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"};
-  static constexpr std::array kParts{"PART", "ASSEMBLY", "INSTANCE"};
   static constexpr std::array kOnFaces{"DLOAD", "DFLUX",    "FILM",      "RADIATE",   "FOUNDATION", "FLOW",
                                        "DFLOW", "DECHARGE", "DECURRENT", "IMPEDANCE", "MASSFLOW"};
   InpCardKind kind;
   const std::string& name = keyword.name;
   if (is_one_of(name, kGenerators)) kind.refusal = kGenerated;
-  if (is_one_of(name, kParts)) kind.refusal = kOfParts;
   if (name == "SYSTEM") kind.refusal = "tetune does not read coordinates in another system";
   if (kind.refusal != nullptr) return kind;
   kind.has_faces = is_one_of(name, kOnFaces);

@@ -65,13 +65,13 @@ class InpConditionReader {
       take(freedom_key(key), fields_from(fields, first_value));
     }
   }
-  /// Appends the lines of a node.
-  void append(std::string& out, std::int64_t label, const NodeValues& entries, const char* newline) const {
+  /// Appends the lines of a node, which is named by `reference`.
+  void append(std::string& out, const std::string& reference, const NodeValues& entries, const char* newline) const {
     for (auto at = entries.begin(); at != entries.end();) {
       auto last = at;
       while (kind_ == ConditionKind::range && std::next(last) != entries.end() && is_next(*last, *std::next(last)))
         ++last;
-      out += std::to_string(label);
+      out += reference;
       std::int64_t number = 0;
       const bool is_number = parse_inp_integer(at->first, number);
       if (!at->first.empty()) out += ", " + (is_number ? std::to_string(number) : at->first);
@@ -191,8 +191,10 @@ class InpExtension {
       for (const auto& [key, value] : entries_of_inserted(i)) {
         if (value.line < 0) written.emplace(key, value);
       }
-      reader_.append(text, span_of(dependents_.match.vertex_labels)[span_of(dependents_.match.inserted)[i]], written,
-                     dependents_.model.newline);
+      const InpModel& model = dependents_.model;
+      const Index v = span_of(dependents_.match.inserted)[i];
+      reader_.append(text, model.reference(span_of(dependents_.match.vertex_labels)[v], condition_.in_assembly),
+                     written, model.newline);
     }
     return text;
   }

@@ -15,7 +15,7 @@ bool starts_name(std::string_view field) {
 
 void note_name(std::string_view field, const InpCardKind& kind, InpScan& scan) {
   if (!starts_name(field)) return;
-  std::string name = inp_name(field);
+  std::string name = scan.key(field);
   if (kind.pairs) scan.paired.insert(name);
   if (kind.is_per_node) scan.loaded.insert(name);
   scan.mentioned.insert(std::move(name));
@@ -199,7 +199,7 @@ void note_inp_data(const std::vector<std::string_view>& fields, const InpCardKin
     };
     std::int64_t label = 0;
     if (!is_named(kind.nodes) && !is_named(kind.elements)) continue;
-    if (!parse_inp_integer(fields[k], label)) continue;
+    if (!scan.parse_label(fields[k], label)) continue;
     if (is_named(kind.nodes)) scan.held_nodes.push_back(label);
     if (is_named(kind.elements)) scan.held_elements.push_back(label);
   }
@@ -208,7 +208,7 @@ void note_inp_data(const std::vector<std::string_view>& fields, const InpCardKin
 void note_inp_parameter(const std::string& key, const std::string& value, const InpCardKind& kind, InpScan& scan) {
   note_name(value, kind, scan);
   std::int64_t label = 0;
-  if (key.ends_with("NODE") && parse_inp_integer(value, label)) scan.held_nodes.push_back(label);
+  if (key.ends_with("NODE") && scan.parse_label(value, label)) scan.held_nodes.push_back(label);
 }
 
 }  // namespace tetune

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/inp/inp_card_kind.hpp"
+#include "io/inp/inp_parts.hpp"
 #include "io/number_index.hpp"
 #include "io/registry.hpp"
 #include "tetune/mesh.hpp"
@@ -38,6 +39,7 @@ struct InpEntityCard {
 /// A set of nodes or elements: all cards of one name.
 struct InpSet {
   std::string name;        ///< as written
+  std::string key;         ///< by which it is found (InpReferences::key())
   std::string parameters;  ///< of a further card of the set: "*NSET, NSET=name"
   bool of_nodes = false;
   /// Nodes by position, elements by position among all elements; ascending.
@@ -71,6 +73,7 @@ struct InpSetCard {
   std::vector<Index> members;      ///< that it lists by number
   std::vector<Index> nested;       ///< sets that it lists by name
   std::vector<std::string> names;  ///< of these, as written
+  bool in_assembly = false;        ///< names in it are those of the assembly (InpReferences)
   bool generates = false;
   bool follows_elements = false;  ///< *NSET, ELSET=: it lists nothing
 };
@@ -101,6 +104,7 @@ struct InpFaceGroup {
 struct InpFaceCard {
   std::string_view head;
   std::string name;           ///< of a *SURFACE
+  bool in_assembly = false;   ///< see InpReferences
   std::string other_lines;    ///< that are no faces of tetrahedra
   std::vector<Index> groups;  ///< positions in InpModel::face_groups
 };
@@ -115,6 +119,7 @@ struct InpConditionLine {
 struct InpCondition {
   std::string name;  ///< of the cards, as written
   InpCardKind::Condition kind;
+  bool in_assembly = false;  ///< see InpReferences
   std::vector<InpConditionLine> lines{};
   /// A line is so long that the next one can continue it: none of them is interpreted.
   bool may_continue = false;
@@ -145,6 +150,7 @@ struct InpPatch {
 struct InpModel {
   std::deque<std::string> files;  ///< their bytes, which all views refer to
   const char* newline = "\n";
+  InpReferences references;
   std::vector<InpPiece> pieces;
 
   std::vector<std::int64_t> node_labels;
@@ -178,6 +184,11 @@ struct InpModel {
   std::vector<InpRegion> regions;  ///< by tag, ascending
   std::vector<InpPatch> patches;   ///< by tag, ascending
   std::vector<int> tet_tags;       ///< per tetrahedron
+
+  /// A node or element of the mesh as lines in the assembly, or in its part, name it.
+  std::string reference(std::int64_t label, bool in_assembly) const {
+    return (in_assembly ? references.written_prefix() : std::string()) + std::to_string(label);
+  }
 
   /// The position of a node or element with this number, or -1.
   Index node(std::int64_t label) const { return position(nodes, label); }

@@ -70,7 +70,8 @@ class InpFollower {
         }
         collect_members(group, after, span_of(faces_)[g]);
         for (const InpLabeledFace& f : after) {
-          text += std::to_string(f.element) + group.before + std::to_string(f.face) + group.after + model_.newline;
+          text += model_.reference(f.element, card.in_assembly) + group.before + std::to_string(f.face) + group.after +
+                  model_.newline;
         }
       }
       changes_.face_cards.emplace_back();

@@ -27,7 +27,7 @@ void find_auxiliary_sets(const InpScan& scan, InpModel& model) {
   }
   for (std::size_t s = 0; s < model.sets.size(); ++s) {
     InpSet& set = model.sets[s];
-    set.is_auxiliary = !set.of_nodes && uses[s] == 1 && scan.mentioned.count(inp_name(set.name)) == 0 &&
+    set.is_auxiliary = !set.of_nodes && uses[s] == 1 && scan.mentioned.count(set.key) == 0 &&
                        std::none_of(set.members.begin(), set.members.end(), is_other);
   }
   for (InpFaceGroup& group : model.face_groups) {

@@ -122,10 +122,14 @@ class InpResolver {
   }
 
   /// The set that a card refers to by name, or -1.
-  Index find_node_set(const std::string& written) const { return find_set(/*of_nodes=*/true, written); }
-  Index find_element_set(const std::string& written) const { return find_set(/*of_nodes=*/false, written); }
-  Index find_set(bool of_nodes, const std::string& written) const {
-    const auto found = scan_.names.find({of_nodes, inp_name(written)});
+  Index find_node_set(std::string_view written, bool in_assembly) const {
+    return find_set(/*of_nodes=*/true, written, in_assembly);
+  }
+  Index find_element_set(std::string_view written, bool in_assembly) const {
+    return find_set(/*of_nodes=*/false, written, in_assembly);
+  }
+  Index find_set(bool of_nodes, std::string_view written, bool in_assembly) const {
+    const auto found = scan_.names.find({of_nodes, model_.references.key(written, in_assembly)});
     return found == scan_.names.end() ? -1 : found->second;
   }
 
@@ -169,7 +173,8 @@ class InpResolver {
     sort_unique(card.members);
     set.members.insert(set.members.end(), card.members.begin(), card.members.end());
     for (const std::string& name : lines.names) {
-      const Index nested = find_set(set.of_nodes, name);
+      Index nested = find_set(set.of_nodes, name, card.in_assembly);
+      if (nested < 0 && card.in_assembly) nested = find_set(set.of_nodes, name, false);  // of the instance of the card
       if (nested < 0) scan_.set_places[c].fail("the set " + set.name + " lists " + name + ", which is not defined");
       card.nested.push_back(nested);
       card.names.push_back(name);
@@ -178,7 +183,7 @@ class InpResolver {
     }
     // Sets of sets would double their members with each level.
     if (!lines.names.empty()) sort_unique(set.members);
-    if (card.follows_elements) add_nodes_of(find_element_set(lines.elements), set.members);
+    if (card.follows_elements) add_nodes_of(find_element_set(lines.elements, card.in_assembly), set.members);
     lines = {};
   }
 
@@ -220,10 +225,10 @@ class InpResolver {
         const std::vector<std::string_view> fields = inp_fields(line.text);
         std::int64_t label = 0;
         if (fields.empty()) continue;
-        if (parse_inp_integer(fields[0], label)) {
+        if (model_.references.parse_label(fields[0], condition.in_assembly, label)) {
           line.node = model_.node(label);
         } else {
-          line.set = find_node_set(std::string(fields[0]));
+          line.set = find_node_set(fields[0], condition.in_assembly);
         }
       }
     }
@@ -234,18 +239,19 @@ class InpResolver {
     std::vector<Index> of;
     std::int64_t label = 0;
     Index set = -1;
-    if (line.group >= 0 && parse_inp_integer(line.of, label)) {
+    if (line.group >= 0 && model_.references.parse_label(line.of, card.in_assembly, label)) {
       of.push_back(model_.element(label));
     } else if (line.group >= 0) {
-      set = find_element_set(line.of);
+      set = find_element_set(line.of, card.in_assembly);
       if (set >= 0) of = span_of(model_.sets)[set].members;
     }
     const bool is_known = set >= 0 || (!of.empty() && of[0] >= 0);
-    if (line.group >= 0 && !is_known) ++unknown_;
+    // In the assembly they may be those of other parts.
+    if (line.group >= 0 && !is_known && !card.in_assembly) ++unknown_;
     const auto tet_of = [this](Index e) { return e < 0 ? -1 : span_of(model_.element2tet)[e]; };
     if (std::none_of(of.begin(), of.end(), [&](Index e) { return tet_of(e) >= 0; })) {
       card.other_lines += line.line;
-      if (set >= 0) scan_.mentioned.insert(inp_name(line.of));
+      if (set >= 0) scan_.mentioned.insert(span_of(model_.sets)[set].key);
       return;
     }
     InpFaceGroup& group = span_of(model_.face_groups)[line.group];
@@ -255,7 +261,7 @@ class InpResolver {
       if (tet_of(e) >= 0) {
         group.faces.push_back({e, line.face});
       } else {
-        card.other_lines += std::to_string(span_of(model_.element_labels)[e]) + group.before +
+        card.other_lines += model_.reference(span_of(model_.element_labels)[e], card.in_assembly) + group.before +
                             std::to_string(line.face) + group.after + model_.newline;
       }
     }

@@ -4,53 +4,17 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "io/inp/inp_card_kind.hpp"
 #include "io/inp/inp_cursor.hpp"
 #include "io/inp/inp_data.hpp"
-#include "system/path.hpp"
+#include "io/inp/inp_include.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
-
-constexpr std::size_t kMaxDepth = 20, kMaxIncludes = 1000;
-
-bool is_file(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path_of(path), ignored);
-}
-
-/// The file that an *INCLUDE card of `file` names: in the folder of the deck, or else in that of the file.
-std::string included_path(const std::string& deck, const std::string& file, std::string name) {
-  std::erase(name, '"');
-  const auto in_folder_of = [&name](const std::string& of) {
-    return (path_of(of).parent_path() / path_of(name)).lexically_normal().string();
-  };
-  std::string path = in_folder_of(deck);
-  return is_file(path) ? path : in_folder_of(file);
-}
-
-void add_included(const std::string& deck, const std::string& file, std::vector<std::string>& found) {
-  const MappedFile mapped(file);
-  InpCursor cursor(file, mapped.bytes());
-  cursor.take_byte_order_mark();
-  while (!cursor.at_end()) {
-    if (cursor.line_kind() != InpCursor::Line::keyword) {
-      cursor.take_line();
-      continue;
-    }
-    const InpKeyword keyword = cursor.take_keyword();
-    const std::string* input = keyword.name == "INCLUDE" ? keyword.find("INPUT") : nullptr;
-    if (input == nullptr || input->empty() || found.size() >= kMaxIncludes) continue;
-    const std::string path = included_path(deck, file, *input);
-    if (!is_file(path) || std::find(found.begin(), found.end(), path) != found.end()) continue;
-    found.push_back(path);
-    add_included(deck, path, found);
-  }
-}
 
 class InpScanner {
  public:
@@ -69,7 +33,8 @@ class InpScanner {
   }
 
  private:
-  enum class Mode { text, nodes, tets, others, set, faces, condition };
+  /// `ignored`: text that does not concern the mesh.
+  enum class Mode { text, ignored, nodes, tets, others, set, faces, condition };
 
   void read_file(const std::string& path, std::string bytes) {
     if (bytes.find('\0') != std::string::npos) throw FileError(path + ": this is a binary file, and no deck in text");
@@ -117,6 +82,10 @@ class InpScanner {
     const InpPlace where = cursor_.place();
     const InpKeyword keyword = cursor_.take_keyword();
     if (keyword.name == "INCLUDE") return include(keyword, where);
+    if (enter_part(keyword, where) || is_ignored(keyword)) {
+      mode_ = Mode::ignored;
+      return add_piece(InpPiece::Kind::text, start);
+    }
     mode_ = Mode::text;
     kind_ = inp_card_kind(keyword);
     if (kind_.refusal != nullptr) where.fail("*" + keyword.name + ": " + kind_.refusal);
@@ -133,6 +102,41 @@ class InpScanner {
     }
   }
 
+  /// Follows the keywords that begin and end parts, instances and the assembly. Returns false for others.
+  bool enter_part(const InpKeyword& keyword, const InpPlace& where) {
+    const std::string& name = keyword.name;
+    const bool begins = name == "PART" || name == "INSTANCE";
+    if (begins || name == "ASSEMBLY") {
+      if (!parts_) {
+        if (!model_.node_labels.empty()) where.fail("nodes precede the parts; move them to a part");
+        parts_ = find_inp_parts(main_path_, model_.files.front());
+        model_.references = InpReferences(parts_->instance);
+      }
+      const std::string* of = begins ? keyword.find("NAME") : nullptr;
+      const std::string key = of == nullptr ? std::string() : inp_name(*of);
+      is_in_mesh_ = name == "PART" ? key == parts_->part
+                                   : name == "INSTANCE" && parts_->part.empty() && key == inp_name(parts_->instance);
+      is_in_other_ = begins && !is_in_mesh_;
+    } else if (name == "ENDPART" || name == "ENDINSTANCE") {
+      is_in_mesh_ = is_in_other_ = false;
+    } else if (name != "ENDASSEMBLY") {
+      return false;
+    }
+    scan_.in_assembly = parts_ && !is_in_mesh_ && !model_.references.written_prefix().empty();
+    return true;
+  }
+  /// Whether a card is one of another part, or defines nodes, elements or sets of the assembly itself or of other
+  /// instances. The names in such sets count as mentioned.
+  bool is_ignored(const InpKeyword& keyword) {
+    if (is_in_other_) return true;
+    if (!scan_.in_assembly) return false;
+    const std::string& name = keyword.name;
+    if (name == "NODE" || name == "ELEMENT") return true;
+    const std::string* instance = keyword.find("INSTANCE");
+    const bool is_of_mesh = instance != nullptr && inp_name(*instance) == inp_name(parts_->instance);
+    return (name == "NSET" || name == "ELSET") && !is_of_mesh;
+  }
+
   /// Starts a card that tetune interprets; returns false for others.
   bool start_card(const InpKeyword& keyword, const char* start, const InpPlace& where) {
     if (keyword.name == "NODE") return start_nodes(keyword, start, where);
@@ -142,6 +146,7 @@ class InpScanner {
     mode_ = Mode::faces;
     InpFaceCard card;
     card.head = head_from(start);
+    card.in_assembly = scan_.in_assembly;
     if (const std::string* name = keyword.find("NAME")) card.name = *name;
     add_piece(InpPiece::Kind::faces, start, model_.face_cards.size());
     model_.face_cards.push_back(std::move(card));
@@ -152,13 +157,14 @@ class InpScanner {
 
   void start_condition(const InpKeyword& keyword, std::string_view head) {
     mode_ = Mode::condition;
-    std::string key = std::to_string(step_) + "," + keyword.name;
+    std::string key = std::to_string(step_) + (scan_.in_assembly ? ",A," : ",") + keyword.name;
     for (const auto& [parameter, value] : keyword.parameters) key += "," + parameter + "=" + inp_name(value);
     const auto [at, is_new] = condition_of_.try_emplace(std::move(key), model_.conditions.size());
     condition_ = at->second;
     if (!is_new) return;
     head.remove_prefix(head.find('*') + 1);
-    model_.conditions.push_back({std::string(head.substr(0, head.find_first_of(",\r\n"))), kind_.condition, {}});
+    const std::string name(head.substr(0, head.find_first_of(",\r\n")));
+    model_.conditions.push_back({name, kind_.condition, scan_.in_assembly, {}});
   }
 
   bool start_nodes(const InpKeyword& keyword, const char* start, const InpPlace& where) {
@@ -201,6 +207,7 @@ class InpScanner {
     InpSetCard card;
     card.set = of_nodes ? node_set(*name, where) : element_set(*name, where);
     card.head = head_from(start);
+    card.in_assembly = scan_.in_assembly;
     card.generates = keyword.has("GENERATE");
     card.follows_elements = of_nodes && keyword.has("ELSET");
     InpSet& set = span_of(model_.sets)[card.set];
@@ -210,7 +217,7 @@ class InpScanner {
     InpSetLines lines;
     if (card.follows_elements) {
       lines.elements = *keyword.find("ELSET");
-      scan_.mentioned.insert(inp_name(lines.elements));
+      scan_.mentioned.insert(scan_.key(lines.elements));
     }
     add_piece(InpPiece::Kind::set, start, to_size_t(position));
     model_.set_cards.push_back(std::move(card));
@@ -223,12 +230,13 @@ class InpScanner {
   Index node_set(const std::string& name, const InpPlace& where) { return set_of(/*of_nodes=*/true, name, where); }
   Index element_set(const std::string& name, const InpPlace& where) { return set_of(/*of_nodes=*/false, name, where); }
   Index set_of(bool of_nodes, const std::string& name, const InpPlace& where) {
-    const std::string key = inp_name(name);
-    if (key.empty()) where.fail("the name of a set is empty");
+    if (inp_name(name).empty()) where.fail("the name of a set is empty");
+    const std::string key = scan_.key(name);
     const auto [at, is_new] = scan_.names.try_emplace({of_nodes, key}, to_index(model_.sets.size()));
     if (is_new) {
       InpSet set;
       set.name = unquoted_inp_name(name);
+      set.key = key;
       set.parameters = std::string(of_nodes ? "*NSET, NSET=" : "*ELSET, ELSET=") + name;
       set.of_nodes = of_nodes;
       model_.sets.push_back(std::move(set));
@@ -239,9 +247,9 @@ class InpScanner {
   void include(const InpKeyword& keyword, const InpPlace& where) {
     const std::string* input = keyword.find("INPUT");
     if (input == nullptr || input->empty()) where.fail("*INCLUDE has no INPUT");
-    if (stack_.size() >= kMaxDepth || ++includes_ > kMaxIncludes) where.fail("there are too many included files");
-    const std::string path = included_path(main_path_, where.file, *input);
-    if (!is_file(path)) where.fail("the included file " + path + " does not exist");
+    if (stack_.size() >= kMaxInpDepth || ++includes_ > kMaxInpIncludes) where.fail("there are too many included files");
+    const std::string path = included_inp_path(main_path_, where.file, *input);
+    if (!is_inp_file(path)) where.fail("the included file " + path + " does not exist");
     if (std::find(stack_.begin(), stack_.end(), path) != stack_.end()) where.fail(path + " includes itself");
     const InpCursor here = cursor_;
     read_file(path, std::string(MappedFile(path).bytes()));
@@ -272,10 +280,18 @@ class InpScanner {
         return add_piece(InpPiece::Kind::faces, start, model_.face_cards.size() - 1);
       case Mode::condition:
         return read_condition_line();
+      case Mode::ignored:
+        note_ignored(inp_fields(cursor_.take_line()));
+        return add_piece(InpPiece::Kind::text, start);
       case Mode::text:
         note_inp_data(inp_fields(cursor_.take_line()), kind_, scan_);
         return add_piece(InpPiece::Kind::text, start);
     }
+  }
+
+  /// Sets of the assembly may list sets of the mesh by name.
+  void note_ignored(const std::vector<std::string_view>& fields) {
+    if (!is_in_other_) note_inp_data(fields, {}, scan_);
   }
 
   void read_condition_line() {
@@ -306,16 +322,13 @@ class InpScanner {
   InpElementType type_;
   Index element_set_ = -1;
   std::size_t step_ = 0, condition_ = 0;
+  std::optional<InpParts> parts_;                    ///< of a deck of parts, from its first one on
+  bool is_in_mesh_ = false;                          ///< in the part that has the mesh
+  bool is_in_other_ = false;                         ///< in another part or instance
   std::map<std::string, std::size_t> condition_of_;  ///< by step and keyword line
 };
 
 }  // namespace
-
-std::vector<std::string> included_inp_files(const std::string& path) {
-  std::vector<std::string> found;
-  add_included(path, path, found);
-  return found;
-}
 
 InpPlace InpScan::place_of(const char* at) const {
   for (std::size_t i = 0; i < paths.size(); ++i) {

@@ -60,6 +60,13 @@ struct InpScan {
   /// Numbers in other cards.
   std::vector<std::int64_t> held_nodes, held_elements;
 
+  /// Whether the present line is in the assembly or a step of a deck of parts (InpReferences).
+  bool in_assembly = false;
+
+  std::string key(std::string_view written) const { return model.references.key(written, in_assembly); }
+  bool parse_label(std::string_view field, std::int64_t& label) const {
+    return model.references.parse_label(field, in_assembly, label);
+  }
   /// The file and line of a byte of the text.
   InpPlace place_of(const char* at) const;
 };

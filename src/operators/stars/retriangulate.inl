@@ -120,7 +120,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
     backend.for_each(moves.size(), EvaluateMoves{context, tets, moves.span()});
     proposals.moves = moves.span();
   }
-  const auto selection = select_within(backend, mesh, count, proposals, flips, limits);
+  auto selection = select_within(backend, mesh, count, proposals, flips, limits);
   if (selection.size() == 0 || !has_room(mesh, selection.total, limits)) return {};
   const ChangeCounts& total = selection.total;
   const VertexArrays vertices = grow_vertices(backend, editable, mesh.vertices() + total.inserted);
