@@ -203,7 +203,7 @@ void check_page(const std::vector<std::string>& inputs, OptimizeArguments& a) {
     throw OptionError("--report-html: the page shows one mesh, and there are several; name one, or use --report");
   }
   const auto is_mesh_file = [](const std::string& name) {
-    return name != kPipe && path_of(name).extension() != ".pvd";
+    return name != kPipe && ending_of(name) != ".pvd";
   };
   if (!is_mesh_file(inputs[0]) || !is_mesh_file(a.names.output)) {
     throw OptionError(
