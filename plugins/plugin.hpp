@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "mesh/element_kinds.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 #include "tetune/mesh.hpp"
 
@@ -41,7 +41,5 @@ auto entry_of(List& list, std::int64_t i, std::size_t size) {
 }
 /// The number of values per entry.
 inline std::size_t components_of(const DataArray& array) { return static_cast<std::size_t>(array.components); }
-
-inline std::string ending_of(const std::string& file) { return std::filesystem::path(file).extension().string(); }
 
 }  // namespace tetune::plugin

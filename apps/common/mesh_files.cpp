@@ -164,7 +164,7 @@ bool joins_volumes(const TetMesh& mesh) {
 /// The files that a mesh is written to: the data of an .xmf file of tetune-mpi are in an .h5 file beside it.
 std::vector<std::string> files_written(const std::string& output) {
   std::vector<std::string> files = files_of(output);
-  if (path_of(output).extension() == ".xmf") files.push_back(path_of(output).replace_extension(".h5").string());
+  if (ending_of(output) == ".xmf") files.push_back(with_ending(output, ".h5"));
   return files;
 }
 
@@ -249,7 +249,7 @@ Input read_input(const std::string& path, int threads) {
     input.binary = bytes.substr(0, 4).find('\0') != std::string::npos;
   } else {
     input.mesh = read_mesh(path, &input.warnings, threads);
-    input.binary = path_of(path).extension() == ".meshb";
+    input.binary = ending_of(path) == ".meshb";
   }
   input.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return input;
@@ -285,8 +285,7 @@ std::vector<std::string> write_output(const std::string& path, bool binary, cons
 }
 
 bool copy_mesh(const std::string& input, const std::string& output) {
-  const auto ending = [](const std::string& path) { return path_of(path).extension(); };
-  if (input == kPipe || output == kPipe || ending(input) != ending(output)) return false;
+  if (input == kPipe || output == kPipe || ending_of(input) != ending_of(output)) return false;
   if (files_of(input).size() > 1) return false;
   if (identity(input) == identity(output)) return true;
   // The names of included files are relative to the folder of the input.

@@ -202,9 +202,7 @@ void check_page(const std::vector<std::string>& inputs, OptimizeArguments& a) {
   if (inputs.size() > 1) {
     throw OptionError("--report-html: the page shows one mesh, and there are several; name one, or use --report");
   }
-  const auto is_mesh_file = [](const std::string& name) {
-    return name != kPipe && path_of(name).extension() != ".pvd";
-  };
+  const auto is_mesh_file = [](const std::string& name) { return name != kPipe && ending_of(name) != ".pvd"; };
   if (!is_mesh_file(inputs[0]) || !is_mesh_file(a.names.output)) {
     throw OptionError(
         "--report-html: the page is made of the files of one mesh, not of the standard input or output or a time "

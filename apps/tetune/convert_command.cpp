@@ -14,6 +14,7 @@
 #include "interrupt.hpp"
 #include "mesh_errors.hpp"
 #include "mesh_files.hpp"
+#include "system/path.hpp"
 #include "tables.hpp"
 #include "tetune/curve.hpp"
 #include "tetune/error.hpp"
@@ -111,7 +112,7 @@ int convert(const CLI::App& c, const ConvertArguments& a) {
   if (!a.msh.empty()) {
     input.mesh.dialect = "msh " + a.msh;
     std::replace(input.mesh.dialect.begin(), input.mesh.dialect.end(), '-', ' ');
-    if (!output.ends_with(".msh")) console.warn("--msh has no effect: the output is not an .msh file");
+    if (ending_of(output) != ".msh") console.warn("--msh has no effect: the output is not an .msh file");
   }
   set_order(a, input.mesh, console);
   const std::vector<std::string> warnings = write_output(output, input.binary, input.mesh, a.threads);

@@ -291,7 +291,7 @@ class SeriesRun {
 
 }  // namespace
 
-bool is_series(const std::string& path) { return path_of(path).extension() == ".pvd"; }
+bool is_series(const std::string& path) { return ending_of(path) == ".pvd"; }
 
 JobResult run_series(const OptimizeArguments& arguments, const Job& job, Console& console) {
   const auto start = std::chrono::steady_clock::now();

@@ -11,6 +11,7 @@
 #include "io/medit/medit_codec.hpp"
 #include "shared_temporary.hpp"
 #include "star_forest.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 
 /// MEDIT binary files (docs/formats.md, "MEDIT"), of which each rank reads and writes a part of every section.
@@ -152,7 +153,7 @@ void add_flags(MPI_Comm comm, std::optional<Reader>& reader, const MeditSection&
 
 }  // namespace
 
-bool is_meshb(const std::string& path) { return std::filesystem::path(path).extension() == ".meshb"; }
+bool is_meshb(const std::string& path) { return ending_of(path) == ".meshb"; }
 
 bool is_plain_meshb(const std::string& path) {
   if (!is_meshb(path)) return false;

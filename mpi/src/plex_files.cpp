@@ -16,6 +16,7 @@
 #include "shared_temporary.hpp"
 #include "star_forest.hpp"
 #include "system/file.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 #include "write_watch.hpp"
 
@@ -67,10 +68,6 @@ void require_hdf5(const std::string& path) {
 #else
   (void)path;
 #endif
-}
-
-std::filesystem::path with_ending(const std::string& path, const char* ending) {
-  return std::filesystem::path(path).replace_extension(ending);
 }
 
 /// Writes the tags of the cells of all ranks as a data set.
@@ -159,13 +156,13 @@ class XdmfHeader {
 }  // namespace
 
 bool is_plex_file(const std::string& path) {
-  const auto ending = std::filesystem::path(path).extension();
+  const std::string ending = ending_of(path);
   return ending == ".h5" || ending == ".xmf";
 }
 
 void check_plex_writable(const std::string& path) {
   require_hdf5(path);
-  if (path.find_first_of("&<>:") != std::string::npos && std::filesystem::path(path).extension() == ".xmf") {
+  if (path.find_first_of("&<>:") != std::string::npos && ending_of(path) == ".xmf") {
     throw FileError(path + ": XDMF refers to the .h5 beside it, whose name cannot have any of & < > :");
   }
   const TemporaryFile temporary(path);
@@ -175,7 +172,7 @@ void check_plex_writable(const std::string& path) {
 Input read_plex(MPI_Comm comm, const std::string& path) {
   collective_try(comm, [&] {
     require_hdf5(path);
-    if (std::filesystem::path(path).extension() != ".h5") {
+    if (ending_of(path) != ".h5") {
       throw FileError(path + ": XDMF is written, not read; give the .h5 beside it");
     }
     if (rank_of(comm) != 0) return;

@@ -16,7 +16,6 @@
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <utility>
 
@@ -24,11 +23,6 @@
 
 namespace tetune::plugin {
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
 
 TopoDS_Shape read_step(const std::string& file, Warnings& warnings) {
   STEPControl_Reader reader;
@@ -102,7 +96,7 @@ void sort_lists(std::vector<std::vector<int>>& lists) {
 }  // namespace
 
 TopoDS_Shape read_shape(const std::string& file, Warnings& warnings) {
-  const std::string ending = lower(ending_of(file));
+  const std::string ending = ending_of(file);
   if (ending == ".step" || ending == ".stp") return read_step(file, warnings);
   if (ending == ".iges" || ending == ".igs") return read_iges(file);
   if (ending == ".brep" || ending == ".brp") return read_brep(file);

@@ -40,7 +40,7 @@ def package() -> str:
 
 
 def check(file: str) -> str:
-    name, ending = package(), Path(file).suffix
+    name, ending = package(), Path(file).suffix.lower()
     if ending not in (".vtu", ".vtk", ".pvtu"):
         raise Refused(f"files with the extension \"{ending}\" need a tetune that was built with VTK, which wheels are not; "
                       "convert the mesh to .vtu, .msh or .mesh first")

@@ -60,11 +60,10 @@ void write_file(const std::string& path, const TetMesh& mesh, const IoContext& c
   file.commit();
 }
 
-/// The extension, with the one before it for compressed files.
-std::string ending_of(const std::string& path) {
-  const std::filesystem::path name = path_of(path);
-  const std::string ending = name.extension().string();
-  return ending == ".gz" ? name.stem().extension().string() + ending : ending;
+/// The ending, with the one before it for compressed files.
+std::string whole_ending_of(const std::string& path) {
+  const std::string ending = ending_of(path);
+  return ending == ".gz" ? ending_of(path_of(path).stem().string()) + ending : ending;
 }
 
 /// Advice on files of formats that are not read, or nothing.
@@ -76,7 +75,7 @@ std::string advice_on(const std::string& ending) {
 }
 
 const Format& format_of(const std::string& path, Access access) {
-  const std::string ending = ending_of(path);
+  const std::string ending = whole_ending_of(path);
   bool other_way = false;
   for (const Format& format : formats()) {
     if (!format.has_ending(ending)) continue;
@@ -207,11 +206,10 @@ std::string excess_of(std::int64_t entries, Index max) {
 }
 
 std::vector<std::string> files_of(const std::string& path) {
-  const std::filesystem::path named = path_of(path);
   for (const Format& format : formats()) {
-    if (!format.is_set || !format.has_ending(named.extension().string())) continue;
+    if (!format.is_set || !format.has_ending(ending_of(path))) continue;
     std::vector<std::string> files;
-    for (const std::string& ending : format.endings) files.push_back(path_of(path).replace_extension(ending).string());
+    for (const std::string& ending : format.endings) files.push_back(with_ending(path, ending));
     return files;
   }
   return {path};
@@ -219,7 +217,7 @@ std::vector<std::string> files_of(const std::string& path) {
 
 std::vector<std::string> files_read(const std::string& path) {
   std::vector<std::string> files = files_of(path);
-  const std::string ending = path_of(path).extension().string();
+  const std::string ending = ending_of(path);
   try {
     for (const Format& format : formats()) {
       if (format.parts == nullptr || !format.has_ending(ending)) continue;
@@ -227,7 +225,7 @@ std::vector<std::string> files_read(const std::string& path) {
     }
     if (ending != ".pvd") return files;
     for (const SeriesStep& step : read_series(path)) {
-      if (path_of(step.path).extension() == ".pvd") continue;  // no mesh
+      if (ending_of(step.path) == ".pvd") continue;  // no mesh
       for (std::string& file : files_read(step.path)) files.push_back(std::move(file));
     }
   } catch (const FileError&) {
@@ -339,7 +337,7 @@ void write_text(const std::string& path, std::string_view text) {
 
 void write_measures(const std::string& path, const TetMesh& mesh, int threads, std::vector<std::string>* warnings) {
   constexpr const char* kWithData[] = {".vtu", ".vtk", ".e", ".ex2", ".exo", ".msh"};
-  const std::string ending = path_of(path).extension().string();
+  const std::string ending = ending_of(path);
   const bool with_mesh = std::find(std::begin(kWithData), std::end(kWithData), ending) != std::end(kWithData);
   if (!with_mesh && ending != ".sol") {
     throw FileError(path +

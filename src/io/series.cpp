@@ -282,7 +282,7 @@ TetMesh read_step(const SeriesStep& step, std::vector<std::string>* warnings, in
 }
 
 bool has_times(const std::string& path) {
-  const std::string ending = path_of(path).extension().string();
+  const std::string ending = ending_of(path);
   return std::any_of(formats().begin(), formats().end(),
                      [&ending](const Format& f) { return f.has_times && f.has_ending(ending); });
 }

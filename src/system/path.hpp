@@ -15,4 +15,19 @@ inline std::filesystem::path path_of(const std::string& name) {
 #endif
 }
 
+/// The ending of a file's name with its point, in lower case: ".inp" of MODEL.INP.
+inline std::string ending_of(const std::string& file) {
+  std::string ending = path_of(file).extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  return ending;
+}
+
+/// The file with another ending, in capitals where that of `file` has capitals.
+inline std::string with_ending(const std::string& file, std::string ending) {
+  if (path_of(file).extension().string() != ending_of(file)) {
+    for (char& c : ending) c = c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c;
+  }
+  return path_of(file).replace_extension(ending).string();
+}
+
 }  // namespace tetune

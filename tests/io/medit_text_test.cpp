@@ -135,8 +135,18 @@ TEST_F(IoTest, WhatTheFileHoldsDecides) {
   EXPECT_EQ(read_mesh(path("b.mesh")).points, mesh.points);
 }
 
+TEST_F(IoTest, EndingsMayBeInCapitals) {
+  const TetMesh mesh = cube(1);
+  for (const char* name : {"A.MESH", "a.MeshB", "A.INP", "A.BDF", "A.ELE"}) {
+    write_mesh(path(name), mesh);
+    EXPECT_EQ(read_mesh(path(name)).tets.size(), mesh.tets.size()) << name;
+  }
+  EXPECT_FALSE(get("A.NODE").empty());
+  EXPECT_NE(get("a.MeshB").substr(0, 4), get("A.MESH").substr(0, 4));
+}
+
 TEST_F(IoTest, UnknownEndingsAreRefusedWithTheKnownOnes) {
-  for (const char* name : {"a.stl", "a", "a.MESH", "mesh"}) {
+  for (const char* name : {"a.stl", "a", "mesh"}) {
     const std::string error = read_error(put(name, kHead + "End\n"));
     EXPECT_TRUE(contains(error, std::string(name) + ": tetune does not read files of ending \"")) << name;
     EXPECT_TRUE(contains(error, ".mesh .meshb .ele .node .face")) << name;

@@ -12,6 +12,7 @@
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
 #include "mesh/tet.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -339,7 +340,7 @@ class NetgenReader {
 
 TetMesh read_netgen(const std::string& path, const IoContext& context) {
   const MappedFile file(path);
-  if (!path.ends_with(".gz")) return NetgenReader(path, file.bytes(), context).read();
+  if (ending_of(path) != ".gz") return NetgenReader(path, file.bytes(), context).read();
   return NetgenReader(path, gunzip(path, file.bytes()), context).read();
 }
 

@@ -95,7 +95,7 @@ void read_rows(TextCursor& cursor, std::size_t n, std::int64_t base, const char*
 
 TetMesh read_tetgen(const std::string& path, const IoContext& context) {
   namespace fs = std::filesystem;
-  const auto sibling = [&path](const char* ending) { return path_of(path).replace_extension(ending).string(); };
+  const auto sibling = [&path](const char* ending) { return with_ending(path, ending); };
   TetMesh mesh;
   const std::int64_t base = read_nodes(sibling(".node"), mesh, context);
   {

@@ -17,7 +17,7 @@ namespace {
 /// The files of a mesh: they are complete before the first replaces an old one.
 class TetgenWriter {
  public:
-  TetgenWriter(const std::string& path, int threads) : path_(path_of(path)), threads_(threads) {}
+  TetgenWriter(const std::string& path, int threads) : path_(path), threads_(threads) {}
 
   void write_points(const TetMesh& mesh) {
     LineWriter out = start(".node");
@@ -45,7 +45,7 @@ class TetgenWriter {
   /// Whether there is a file of the set with this ending, which must not stay beside the others.
   bool exists(const char* ending) const {
     std::error_code ignored;
-    return std::filesystem::exists(std::filesystem::path(path_).replace_extension(ending), ignored);
+    return std::filesystem::exists(path_of(with_ending(path_, ending)), ignored);
   }
   void commit() {
     for (const auto& file : files_) file->commit();
@@ -66,12 +66,12 @@ class TetgenWriter {
     });
   }
   LineWriter start(const char* ending) {
-    const std::string name = std::filesystem::path(path_).replace_extension(ending).string();
+    const std::string name = with_ending(path_, ending);
     check_place(name);
     files_.push_back(std::make_unique<FileWriter>(name));
     return {*files_.back(), threads_};
   }
-  std::filesystem::path path_;
+  std::string path_;
   int threads_;
   std::vector<std::unique_ptr<FileWriter>> files_;
 };
