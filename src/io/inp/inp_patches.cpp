@@ -110,8 +110,7 @@ class InpPatches {
   /// one of these has the nodes of elements, which change.
   void hold_sets() {
     for (InpSet& set : model_.sets) {
-      const std::string name = inp_name(set.name);
-      set.is_held |= set.of_nodes && (scan_.paired.count(name) != 0 || scan_.loaded.count(name) != 0);
+      set.is_held |= set.of_nodes && (scan_.paired.count(set.key) != 0 || scan_.loaded.count(set.key) != 0);
     }
     for (bool is_changed = true; is_changed;) {
       is_changed = false;
@@ -127,7 +126,7 @@ class InpPatches {
     for (std::size_t c = 0; c < model_.set_cards.size(); ++c) {
       const InpSet& set = span_of(model_.sets)[model_.set_cards[c].set];
       if (!set.is_held || !model_.set_cards[c].follows_elements) continue;
-      const bool is_loaded = scan_.loaded.count(inp_name(set.name)) != 0;
+      const bool is_loaded = scan_.loaded.count(set.key) != 0;
       scan_.set_places[c].fail((is_loaded ? "a load acts on each node of the set " + set.name + ", and these nodes"
                                           : "the order of the set " + set.name + " matters, and its nodes") +
                                " would change with the elements; list them by number");

@@ -142,7 +142,10 @@ class InpScanner {
     mode_ = Mode::faces;
     InpFaceCard card;
     card.head = head_from(start);
-    if (const std::string* name = keyword.find("NAME")) card.name = *name;
+    if (const std::string* name = keyword.find("NAME")) {
+      card.name = unquoted_inp_name(*name);
+      card.key = inp_name(*name);
+    }
     add_piece(InpPiece::Kind::faces, start, model_.face_cards.size());
     model_.face_cards.push_back(std::move(card));
     scan_.face_lines.emplace_back();
@@ -229,6 +232,7 @@ class InpScanner {
     if (is_new) {
       InpSet set;
       set.name = unquoted_inp_name(name);
+      set.key = key;
       set.parameters = std::string(of_nodes ? "*NSET, NSET=" : "*ELSET, ELSET=") + name;
       set.of_nodes = of_nodes;
       model_.sets.push_back(std::move(set));
