@@ -185,6 +185,15 @@ TEST_F(Msh, SizesOf32BitsAreRead) {
   }
 }
 
+TEST_F(Msh, NamesOfDataLoseQuotationMarksWithAWarning) {
+  TetMesh m = one_tet();
+  m.point_data = {{"the \"load\"", 1, std::vector<double>{1, 2, 3, 4}}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.msh"), m, 1, &warnings);
+  EXPECT_TRUE(contains(warnings, "without quotation marks and ends of lines: \"the 'load'\""));
+  EXPECT_NE(find(read_mesh(path("a.msh"), nullptr, 1).point_data, "the 'load'"), nullptr);
+}
+
 TEST_F(Msh, NamesMayLackQuotationMarks) {
   const std::string file = kOldHead + "$PhysicalNames\n1\n3 1 mild steel\n$EndPhysicalNames\n" + kOldNodes +
                            "$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gmsh's .msh files, versions 2.2 and 4.1, text and binary.
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "io/msh/msh_sections.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -195,10 +195,8 @@ TetMesh read_msh(const std::string& path, const IoContext& context) {
   if (!is_old && header.version != 4.1) {
     const bool known = header.version == 1 || header.version == 3 || header.version == 4;
     if (known && has_plugin(kGmshPlugin)) return read_by_plugin(kGmshPlugin, path, context);  // written as version 4.1
-    std::ostringstream version;
-    version << header.version;
     source.fail(std::string("this is version ")
-                    .append(version.str())
+                    .append(number_text(header.version))
                     .append("; tetune reads 2.2 and 4.1 (gmsh FILE -save -format msh41 -o NEW.msh)"));
   }
   source.set_old(is_old);
