@@ -266,9 +266,9 @@ class InpFollower {
     if (to_index(c) == last_card(set)) {
       std::vector<std::int64_t>& more = span_of(additions_)[card.set];
       if (set.is_auxiliary) {
-        std::set<std::int64_t> wanted = auxiliary_members_[card.set];
-        for (const Index member : set.members) wanted.erase(span_of(model_.element_labels)[member]);
-        more.assign(wanted.begin(), wanted.end());
+        std::set<std::int64_t> joining = auxiliary_members_[card.set];
+        for (const Index member : set.members) joining.erase(span_of(model_.element_labels)[member]);
+        more.assign(joining.begin(), joining.end());
       }
       is_same = is_same && more.empty();
       labels.insert(labels.end(), more.begin(), more.end());

@@ -2,13 +2,13 @@
 #include "io/unv/unv_groups.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 
 #include "backend/span.hpp"
 #include "io/losses.hpp"
 #include "io/plain_text.hpp"
 #include "io/tag_numbers.hpp"
+#include "io/unv/unv_format.hpp"
 #include "io/unv/unv_tags.hpp"
 #include "mesh/node_sets.hpp"
 
@@ -69,7 +69,7 @@ class UnvGroupWriter {
       if (std::find(in_set.begin(), in_set.end(), std::uint8_t{1}) == in_set.end()) continue;
       const std::string text = array.name.substr(kNodeSet.size());
       const std::size_t colon = text.find(':');
-      const int number = std::atoi(text.c_str());
+      const int number = leading_unv_integer(text);
       UnvWrittenGroup* added = &group_of(number, colon == std::string::npos ? "" : text.substr(colon + 1));
       if (added->in_set != nullptr) added = &list_.emplace_back(UnvWrittenGroup{number, added->name, {}, nullptr});
       added->in_set = &in_set;
@@ -111,7 +111,7 @@ class UnvGroupWriter {
     for (UnvWrittenGroup* const group : rest) group->number = numbers.take_lowest();
     if (changed == 0) return;
     context_.warn(std::to_string(changed) + " groups get other numbers: those of all dimensions and of sets of nodes " +
-                  "differ in this format");
+                  "differ in this format, and are at most 2147483647");
   }
 
   const TetMesh& mesh_;
