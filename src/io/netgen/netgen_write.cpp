@@ -10,6 +10,7 @@
 #include "io/line_writer.hpp"
 #include "io/losses.hpp"
 #include "io/netgen/netgen_format.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "mesh/listed_faces.hpp"
@@ -17,6 +18,9 @@
 
 namespace tetune {
 namespace {
+
+/// The name of a group as the rest of a line has it, without the blanks around it.
+std::string name_in_netgen(const Group& group) { return without_control_characters(trimmed(group.name)); }
 
 /// The numbers of the tags of one dimension: from 1, as each up to the largest has a line with its name.
 class NetgenNumbers {
@@ -43,7 +47,7 @@ class NetgenNumbers {
     for (const auto& [tag, number] : numbers_)
       names_.resize(std::max(names_.size(), to_size_t(number)), kNetgenUnnamed);
     for (const Group* const group : specific_first(mesh, dimension)) {
-      if (!group->name.empty()) add_name(*group);
+      if (!name_in_netgen(*group).empty()) add_name(*group);
     }
   }
   int of(int tag) const { return numbers_.at(tag); }
@@ -64,7 +68,7 @@ class NetgenNumbers {
       if (name != kNetgenUnnamed)
         is_shared_ = true;
       else
-        name = group.name;
+        name = name_in_netgen(group);
     }
   }
   std::map<int, int> numbers_;
@@ -323,7 +327,11 @@ void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context, kNetgenSurface);
   warn_of_empty_groups(mesh, context);
-  const auto is_default = [](const Group& group) { return group.name == kNetgenUnnamed; };
+  for (const Group& group : mesh.groups) {
+    if (name_in_netgen(group) == group.name) continue;
+    context.warn("the group \"" + printable(group.name) + "\" is written as \"" + name_in_netgen(group) + "\"");
+  }
+  const auto is_default = [](const Group& group) { return name_in_netgen(group) == kNetgenUnnamed; };
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), is_default)) {
     context.warn(std::string("the group \"") + kNetgenUnnamed +
                  "\" loses its name, which stands for elements without one in the format");
