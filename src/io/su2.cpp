@@ -12,6 +12,7 @@
 #include "io/group_order.hpp"
 #include "io/line_writer.hpp"
 #include "io/losses.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "io/text_cursor.hpp"
@@ -74,7 +75,11 @@ class Su2Reader {
     const char* const all = cursor_.skip(0);
     const std::string_view line = cursor_.line();
     const std::size_t equals = line.find('=');
-    if (equals == std::string_view::npos) cursor_.fail("expected a section such as NELEM= before this line");
+    if (equals == std::string_view::npos) {
+      cursor_.skip(all - cursor_.skip(0));
+      cursor_.fail("expected a section such as NELEM=, found \"" + printable(line.substr(0, 40)) +
+                   "\"; the section before it is longer than it says");
+    }
     cursor_.skip(line.data() + equals + 1 - cursor_.skip(0));
     std::string name(all, to_size_t(line.data() + equals - all));
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
@@ -97,6 +102,7 @@ class Su2Reader {
     } else if (name == "NZONE") {
       if (cursor_.integer("number of zones") != 1) cursor_.fail("the file has several zones; write each to a file");
     } else if (name == "NELEM") {
+      if (has_elements_) cursor_.fail("a second NELEM= section");
       read_elements(count("number of elements", 5), Su2List::solids);
       has_elements_ = true;
     } else if (name == "NPOIN") {
@@ -115,7 +121,7 @@ class Su2Reader {
     constexpr std::array<std::string_view, 3> kWithoutContent{"NMARK", "NPERIODIC", "IZONE"};
     const bool is_periodic = name.starts_with("PERIODIC_");
     if (!is_periodic && std::find(kWithoutContent.begin(), kWithoutContent.end(), name) == kWithoutContent.end()) {
-      skipped_.insert(name);
+      skipped_.insert(printable(name));
     }
     cursor_.line();
     while (!at_end()) {
@@ -181,7 +187,8 @@ class Su2Reader {
     if (name.empty()) cursor_.fail("MARKER_TAG= has no name");
     ++marker_;
     mesh_.groups.push_back({2, marker_, name, {marker_}});
-    if (at_end() || keyword() != "MARKER_ELEMS") cursor_.fail("MARKER_ELEMS= is expected after MARKER_TAG= " + name);
+    if (at_end() || keyword() != "MARKER_ELEMS")
+      cursor_.fail("MARKER_ELEMS= is expected after MARKER_TAG= " + printable(name));
     const auto elements = count("number of elements of the marker", 3);
     if (!at_end() && cursor_.peek().starts_with("SEND_TO")) {
       cursor_.fail("the file is a part of a partitioned mesh (SEND_TO); use the whole mesh");
