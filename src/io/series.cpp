@@ -55,7 +55,7 @@ class TagReader {
   [[noreturn]] void fail(const std::string& reason) const {
     const std::string_view before = text_.substr(0, at_);
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-    throw FileError(path_ + ", line " + std::to_string(line) + ": " + reason);
+    throw FileError(path_ + ":" + std::to_string(line) + ": " + reason);
   }
 
   /// Whether there is another tag; skips comments and declarations before it.

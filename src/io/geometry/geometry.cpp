@@ -15,6 +15,7 @@
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -190,7 +191,7 @@ Geometry::Geometry(std::string file, double unit, int threads)
       threads_(threads),
       session_(std::make_shared<PluginSession>(kOcctPlugin, file_)) {
   if (!(unit > 0 && std::isfinite(unit))) {
-    throw OptionError("geometry_unit is " + std::to_string(unit) + "; it must be a positive length in mm");
+    throw OptionError("geometry_unit is " + number_text(unit) + "; it must be a positive length in mm");
   }
   if (threads < 0) throw OptionError("threads is " + std::to_string(threads) + "; it must be 0 or positive");
   { const MappedFile readable(file_); }  // an error of opening has the same message for all files

@@ -7,6 +7,7 @@
 
 #include "backend/cpu.hpp"
 #include "io/medit/medit_codec.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
 #include "tetune/error.hpp"
@@ -281,10 +282,10 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const IoCont
       reader.set_dimension(cursor.integer("dimension"));
     } else if (!reader.read(word, 0)) {
       if (!TextCursor::is_letter(word[0])) {
-        cursor.fail("expected a section name, found \"" + std::string(word.substr(0, 40)) +
+        cursor.fail("expected a section name, found \"" + printable(word.substr(0, 40)) +
                     "\"; the section before it is longer than it says");
       }
-      context.warn(path + ": section " + std::string(word.substr(0, 60)) + " is not kept by tetune; skipped");
+      context.warn(path + ": section " + printable(word.substr(0, 60)) + " is not kept by tetune; skipped");
       cursor.skip_numbers();
     }
   }
