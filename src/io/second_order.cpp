@@ -256,7 +256,9 @@ Middles::Middles(TetMesh& mesh, MiddlesOf elements) : first_(to_index(mesh.point
     for (const Pair& p : pairs) edges_.push_back(ascending(v[p[0]], v[p[1]]));
   };
   for (const auto& tet : mesh.tets) add(tet.data(), kTetEdges);
-  for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
+  if (elements != MiddlesOf::tets_and_others) {
+    for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
+  }
   if (elements == MiddlesOf::all) {
     for (const auto& edge : mesh.edges) add(edge.data(), kEdgeEdges);
   }
@@ -306,6 +308,15 @@ void Middles::extend(PeriodicLink& link) const {
     if (std::binary_search(edges_.begin(), edges_.end(), master))
       link.pairs.push_back({of(a, b), of(master[0], master[1])});
   }
+}
+
+std::string lost_curved_edges(const TetMesh& mesh, const Middles* middles) {
+  if (middles == nullptr) return {};
+  const auto is_lost = [middles](const CurvedEdge& e) { return !middles->has(e.vertices[0], e.vertices[1]); };
+  const auto lost = std::count_if(mesh.curved_edges.begin(), mesh.curved_edges.end(), is_lost);
+  if (lost == 0) return {};
+  return std::to_string(lost) +
+         " curved edges of no other element are straight: the format has no mid-side nodes of edges";
 }
 
 }  // namespace tetune

@@ -257,7 +257,8 @@ class InpPlainWriter {
 }  // namespace
 
 void write_inp_plain(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
-  write_with_middles(mesh, MiddlesOf::all, [&](const TetMesh& m, const Middles* middles) {
+  // Edges and triangles of no tetrahedron are not written; their nodes would be of no element.
+  write_with_middles(mesh, MiddlesOf::tets_and_others, [&](const TetMesh& m, const Middles* middles) {
     InpPlainWriter(file, m, middles, context).write();
   });
 }

@@ -351,8 +351,10 @@ void write_mesh_to(LineWriter out, const TetMesh& mesh, const IoContext& context
   refuse_second_order_others(mesh);
   warn_of_netgen_losses(mesh, context);
   // The edges of the format have no mid-side nodes.
-  write_with_middles(mesh, MiddlesOf::all_but_edges,
-                     [&](const TetMesh& m, const Middles* middles) { NetgenWriter(out, m, middles).write(context); });
+  write_with_middles(mesh, MiddlesOf::all_but_edges, [&](const TetMesh& m, const Middles* middles) {
+    if (const std::string text = lost_curved_edges(m, middles); !text.empty()) context.warn(text);
+    NetgenWriter(out, m, middles).write(context);
+  });
 }
 
 }  // namespace
