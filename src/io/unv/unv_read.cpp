@@ -55,6 +55,10 @@ class UnvReader {
     if (model_.points.empty()) {
       lines_.fail_at(lines_.line(), "the file ends without nodes (data set 2411): it is not a mesh");
     }
+    for (const std::size_t n : {model_.points.size(), model_.elements.size()}) {
+      const std::string excess = excess_of(std::int64_t(n), kMaxEntries);
+      if (!excess.empty()) lines_.fail_at(lines_.line(), "the file has " + excess);
+    }
     index_nodes();
     index_elements();
     find_classes();
