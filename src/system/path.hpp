@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 namespace tetune {
 
@@ -13,6 +14,12 @@ inline std::filesystem::path path_of(const std::string& name) {
 #else
   return name;
 #endif
+}
+
+/// Whether there is a regular file of that name.
+inline bool is_file(const std::string& name) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path_of(name), ignored);
 }
 
 }  // namespace tetune

@@ -18,11 +18,6 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 20, kMaxIncludes = 1000;
 
-bool is_file(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path_of(path), ignored);
-}
-
 /// The file that an *INCLUDE card of `file` names: in the folder of the deck, or else in that of the file.
 std::string included_path(const std::string& deck, const std::string& file, std::string name) {
   std::erase(name, '"');

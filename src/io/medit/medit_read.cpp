@@ -264,8 +264,7 @@ class MeditReader {
 };
 
 TetMesh parse_text(const std::string& path, std::string_view bytes, const IoContext& context) {
-  constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
-  if (bytes.starts_with(kUtf8Mark)) bytes.remove_prefix(kUtf8Mark.size());
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   TextCursor cursor(path, bytes);
   TextSource source(cursor, context.threads);
   TetMesh mesh;
