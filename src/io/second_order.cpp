@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/plain_text.hpp"
 #include "mesh/node_sets.hpp"
 #include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
@@ -97,15 +98,14 @@ bool are_restored(const DataArray& array, const std::vector<Middle>& middles) {
 
 /// The warning of erase_middles().
 std::string lost_values(const std::vector<Middle>& middles, const TetMesh& mesh) {
-  std::string names;
-  const auto add = [&names](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
+  std::vector<std::string> names;
   for (const DataArray& array : mesh.point_data) {
-    if (!are_restored(array, middles)) add(array.name);
+    if (!are_restored(array, middles)) names.push_back(array.name);
   }
   const auto has_tag = [&mesh](const Middle& m) { return span_of(mesh.point_tags)[m.node] != 0; };
-  if (std::any_of(middles.begin(), middles.end(), has_tag)) add("tags");
+  if (std::any_of(middles.begin(), middles.end(), has_tag)) names.emplace_back("tags");
   if (names.empty()) return {};
-  return "values at mid-side nodes are not kept: " + names +
+  return "values at mid-side nodes are not kept: " + listed_texts(names) +
          "; writers give these nodes the means of both ends, the integers of one end, the sets of both, and no tag";
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -189,10 +190,7 @@ class UnvReader {
 
   void add_node_sets() {
     std::int64_t free = 1;
-    const auto has_name = [this](const std::string& name) {
-      return std::any_of(mesh_.point_data.begin(), mesh_.point_data.end(),
-                         [&](const DataArray& array) { return array.name == name; });
-    };
+    std::set<std::string> names;
     for (const UnvGroup& group : model_.groups) {
       std::vector<std::uint8_t> in_set(group.nodes.empty() ? 0 : mesh_.points.size(), 0);
       bool is_empty = true;
@@ -210,7 +208,7 @@ class UnvReader {
         return std::string(kNodeSet) + std::to_string(number) + (group.name.empty() ? "" : ":" + group.name);
       };
       std::string unique = name(group.number);
-      while (has_name(unique)) unique = name(free++);
+      while (!names.insert(unique).second) unique = name(free++);
       mesh_.point_data.push_back({unique, 1, std::move(in_set)});
     }
   }
@@ -235,13 +233,13 @@ class UnvReader {
     }
     if (lines_.is_open()) warn("it does not end with -1 after the lines of a data set; the file may be cut short");
     if (!model_.ignored_elements.empty()) {
-      std::string list;
+      std::vector<std::string> descriptors;
       std::size_t n = 0;
       for (const auto& [descriptor, count] : model_.ignored_elements) {
-        list.append(list.empty() ? "" : ", ").append(std::to_string(descriptor));
+        descriptors.push_back(std::to_string(descriptor));
         n += count;
       }
-      warn(std::to_string(n) + " elements with the FE descriptors " + list + " are not kept");
+      warn(std::to_string(n) + " elements with the FE descriptors " + listed_texts(descriptors) + " are not kept");
     }
     if (model_.beams_with_sections > 0) {
       warn("the orientations and cross sections of " + std::to_string(model_.beams_with_sections) +
