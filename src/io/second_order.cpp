@@ -312,10 +312,10 @@ void Middles::extend(PeriodicLink& link) const {
 
 std::string lost_curved_edges(const TetMesh& mesh, const Middles* middles) {
   if (middles == nullptr) return {};
-  const auto is_lost = [middles](const CurvedEdge& e) { return !middles->has(e.vertices[0], e.vertices[1]); };
-  const auto lost = std::count_if(mesh.curved_edges.begin(), mesh.curved_edges.end(), is_lost);
-  if (lost == 0) return {};
-  return std::to_string(lost) +
+  const auto has_no_node = [middles](const CurvedEdge& e) { return !middles->has(e.vertices[0], e.vertices[1]); };
+  const auto straight = std::count_if(mesh.curved_edges.begin(), mesh.curved_edges.end(), has_no_node);
+  if (straight == 0) return {};
+  return std::to_string(straight) +
          " curved edges of no other element are straight: the format has no mid-side nodes of edges";
 }
 
