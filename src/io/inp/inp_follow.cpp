@@ -182,7 +182,9 @@ class InpFollower {
     const Index set_of_card = model_.node_cards.back().set;
     sets_of_.resize(match_.inserted.size());
     for (Index s = 0; s < std::ssize(model_.sets); ++s) {
-      for (const Index node : span_of(model_.sets)[s].rest) sets_of_rest_.emplace_back(node, s);
+      const InpSet& set = span_of(model_.sets)[s];
+      for (const Index node : set.rest) sets_of_rest_.emplace_back(node, s);
+      if (set.of_nodes && !(set.regions.empty() && set.patches.empty())) sets_of_tags_.push_back(s);
     }
     sort_unique(sets_of_rest_);
     changes_.appends_nodes = true;
@@ -236,13 +238,13 @@ class InpFollower {
   /// The sets of nodes that have all vertices of one of these regions or patches.
   std::vector<Index> sets_with(const std::set<int>& regions, const std::set<int>& patches, bool is_middle) const {
     std::vector<Index> sets;
-    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+    for (const Index s : sets_of_tags_) {
       const InpSet& set = span_of(model_.sets)[s];
       const auto any_of = [](const std::vector<int>& tags, const std::set<int>& found) {
         return std::any_of(tags.begin(), tags.end(), [&found](int tag) { return found.count(tag) != 0; });
       };
       if (is_middle && !set.adds_middles) continue;
-      if (set.of_nodes && (any_of(set.regions, regions) || any_of(set.patches, patches))) sets.push_back(s);
+      if (any_of(set.regions, regions) || any_of(set.patches, patches)) sets.push_back(s);
     }
     return sets;
   }
@@ -291,6 +293,7 @@ class InpFollower {
   std::vector<std::vector<Index>> sets_of_;                    ///< per inserted node
   std::vector<std::vector<std::int64_t>> additions_;           ///< per set
   std::vector<std::pair<Index, Index>> sets_of_rest_;          ///< by their InpSet::rest: a node, a set
+  std::vector<Index> sets_of_tags_;                            ///< those of nodes with regions or patches, ascending
   InpChanges changes_;
 };
 
