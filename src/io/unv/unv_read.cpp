@@ -222,7 +222,9 @@ class UnvReader {
     keep_numbers(model_.node_numbers, collector_.middles(), mesh_, for_each_vertex,
                  [this](const UnvElement& element, const std::string& text) { lines_.fail_at(element.line, text); });
     // TetMesh::deck_nodes has 0 for inserted vertices, so that it cannot hold a node of this number.
-    if (nodes_.rank(0) >= 0) mesh_.deck_nodes.clear();
+    if (nodes_.rank(0) < 0) return;
+    mesh_.deck_nodes.clear();
+    warn("a node has the number 0: the nodes are numbered from 1");
   }
 
   void warn_of_contents() const {
