@@ -151,10 +151,11 @@ TEST_F(Msh, PartitionsAndSeveralStepsAreNamed) {
                    "$ElementNodeData\n1\n\"stress\"\n1\n0\n3\n0\n1\n1\n1 4 1 2 3 4\n$EndElementNodeData\n");
   std::vector<std::string> warnings;
   const TetMesh m = read_mesh(file, &warnings, 1);
-  ASSERT_EQ(warnings.size(), 3U);
+  ASSERT_EQ(warnings.size(), 4U);
   EXPECT_TRUE(contains(warnings[0], "of the data \"heat\" the first step is kept"));
   EXPECT_TRUE(contains(warnings[1], "section $ElementNodeData is not kept"));
-  EXPECT_TRUE(contains(warnings[2], "the partitions are kept as the data \"gmsh:partition\""));
+  EXPECT_TRUE(contains(warnings[2], "ghost elements of partitions are not kept"));
+  EXPECT_TRUE(contains(warnings[3], "the partitions are kept as the data \"gmsh:partition\""));
   EXPECT_EQ(doubles(*find(m.tet_data, "gmsh:partition")), (std::vector<double>{3, 2}));
   EXPECT_EQ(doubles(*find(m.point_data, "heat"))[1], 7);
 }

@@ -33,6 +33,7 @@ class MshReader {
     if (std::any_of(model_.cells.begin(), model_.cells.end(), is_dropped)) {
       context_.warn("interfaces between partitions are not kept");
     }
+    if (model_.has_ghosts) context_.warn("ghost elements of partitions are not kept");
     if (source_.is_old()) {
       find_dimensions_of_names(model_);
       join_repeated_elements(model_);

@@ -100,6 +100,8 @@ Index MshElementReader::read_old_cell(int dimension, int tags) {
     if (i == 1) entity = tag;
     if (i == 2) partitions = tag;
     if (i == 3 && partitions > 0) partition = std::abs(tag);
+    // Negative ones are those for which the element is a ghost.
+    if (i > 3 && i - 3 < partitions && tag < 0) model_.has_ghosts = true;
   }
   return cell_of({dimension, entity, group, partition});
 }
