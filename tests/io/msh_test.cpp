@@ -219,7 +219,9 @@ TEST_F(Msh, ErrorsSayWhere) {
   refused("$MeshFormat\n2.2 0 4\n$EndMeshFormat\n", "a.msh:2: numbers of 4 bytes");
   refused("$MeshFormat\n4.1 0 2\n$EndMeshFormat\n", "a.msh:2: numbers of 2 bytes");
   refused(kOldHead + kOldNodes, "$Nodes or $Elements is missing");
-  refused(kOldHead + "$Elements\n0\n$EndElements\n", "a.msh:5: the section $Elements comes before $Nodes");
+  refused(kOldHead + "$Elements\n0\n$EndElements\n", "a.msh:4: the section $Elements comes before $Nodes");
+  refused(kOldHead + kOldNodes + kOldNodes, "a.msh:12: the section $Nodes occurs twice");
+  refused(kOldHead + kOldNodes + "$NodeData\n", "a.msh:12: the section $NodeData comes before $Elements");
   refused(kOldHead + "$Nodes\n5000000\n1 0 0 0\n", "a.msh:5: number of nodes is 5000000, more than the rest");
   refused(kOldHead + "$Nodes\n2\n1 0 0 0\n1 0 0 0\n$EndNodes\n", "node 1 occurs twice");
   refused(kOldHead + "$Nodes\n1\n1 0 x 0\n$EndNodes\n", "a.msh:6: expected a number (coordinate), found \"x\"");

@@ -22,6 +22,7 @@ class MshReader {
         source_.fail("expected a section, found \"" + printable(word.substr(0, 40)) +
                      "\"; the section before it is longer than it says");
       }
+      check_order(word.substr(1));
       text.line();
       read_section(word.substr(1));
       source_.expect_end(word.substr(1));
@@ -42,6 +43,17 @@ class MshReader {
   }
 
  private:
+  /// Refuses a section that occurs twice, or before those that it refers to.
+  void check_order(std::string_view name) {
+    const bool has_numbers = name == "Periodic" || name == "NodeData" || name == "ElementData";
+    if ((name == "Nodes" || name == "ParametricNodes") && std::exchange(has_nodes_, true)) {
+      source_.fail("the section $Nodes occurs twice");
+    }
+    if (name == "Elements" && !has_nodes_) source_.fail("the section $Elements comes before $Nodes");
+    if (name == "Elements" && std::exchange(has_elements_, true)) source_.fail("the section $Elements occurs twice");
+    if (has_numbers && !has_elements_) source_.fail("the section $" + std::string(name) + " comes before $Elements");
+  }
+
   void read_section(std::string_view name) {
     const bool on_nodes = name == "NodeData";
     if (name == "PhysicalNames") return read_msh_names(source_, model_);
@@ -50,16 +62,9 @@ class MshReader {
       return element_reader_.read_entities(name != "Entities");
     }
     if (name == "Nodes" || name == "ParametricNodes") return read_nodes(name != "Nodes");
-    if (name == "Elements") {
-      if (!has_nodes_) source_.fail("the section $Elements comes before $Nodes");
-      if (std::exchange(has_elements_, true)) source_.fail("the section $Elements occurs twice");
-      return element_reader_.read_elements();
-    }
-    if (name == "Periodic" || on_nodes || name == "ElementData") {
-      if (!has_elements_) source_.fail("the section comes before $Elements");
-      if (name == "Periodic") return read_msh_periodic(source_, model_, context_);
-      return read_msh_view(source_, on_nodes, model_, context_);
-    }
+    if (name == "Elements") return element_reader_.read_elements();
+    if (name == "Periodic") return read_msh_periodic(source_, model_, context_);
+    if (on_nodes || name == "ElementData") return read_msh_view(source_, on_nodes, model_, context_);
     context_.warn("the section $" + printable(name.substr(0, 60)) + " is not kept");
     source_.skip_section(name);
   }
@@ -67,7 +72,6 @@ class MshReader {
   // Nodes.
 
   void read_nodes(bool parametric) {
-    if (std::exchange(has_nodes_, true)) source_.fail("the section $Nodes occurs twice");
     std::vector<std::int64_t> numbers;
     if (source_.is_old()) {
       read_old_nodes(parametric, numbers);
