@@ -183,8 +183,9 @@ class Su2Reader {
   }
 
   void read_marker() {
+    const TextCursor at_name = cursor_;
     const std::string name = rest_of_line();
-    if (name.empty()) cursor_.fail("MARKER_TAG= has no name");
+    if (name.empty()) at_name.fail("MARKER_TAG= has no name");
     ++marker_;
     mesh_.groups.push_back({2, marker_, name, {marker_}});
     if (at_end() || keyword() != "MARKER_ELEMS")

@@ -118,6 +118,7 @@ TEST_F(Su2, DamageIsNamedWithItsLine) {
       contains(error("NELEM= 3", "NELEM= 2"), "a.su2:7: expected a section such as NELEM=, found \"14 0 1 2 3 4\""));
   EXPECT_TRUE(contains(error("NMARK= 2", "NELEM= 0"), "a.su2:14: a second NELEM= section"));
   EXPECT_TRUE(contains(error("MARKER_ELEMS= 2", "MARKER_ELEM= 2"), "MARKER_ELEMS= is expected"));
+  EXPECT_TRUE(contains(error("MARKER_TAG= wall", "MARKER_TAG= % wall"), "a.su2:15: MARKER_TAG= has no name"));
   EXPECT_TRUE(contains(error("NPOIN= 5 5", "NPOINTS= 5"), "NPOIN="));
 }
 
