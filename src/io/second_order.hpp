@@ -73,13 +73,13 @@ std::vector<std::string> erase_middles(const MiddleList& middles, TetMesh& mesh,
 /// The warning of writers of linear elements.
 std::string lost_middles(const TetMesh& mesh);
 
-/// The elements of a second-order mesh to which a format gives mid-side nodes.
+/// The elements of a second-order mesh to which a format gives mid-side nodes: tetrahedra, other elements of second
+/// order, listed triangles and listed edges, or the first ones of these.
 enum class MiddlesOf : std::uint8_t { all, all_but_edges, tets_and_others };
 
-/// Adds a node in the middle of each edge of the tetrahedra, listed triangles, edges and other elements of second
-/// order, of all of them unless a part is named, after all others; on a curved edge at the listed position. Its data
-/// are the means of both ends, or the integers of the first end; it is in the sets of nodes that both ends are in, and
-/// has no tag.
+/// Adds a node in the middle of each edge of these elements, after all other nodes; on a curved edge at the listed
+/// position. Its data are the means of both ends, or the integers of the first end; it is in the sets of nodes that
+/// both ends are in, and has no tag.
 class Middles {
  public:
   explicit Middles(TetMesh& mesh, MiddlesOf elements = MiddlesOf::all);
