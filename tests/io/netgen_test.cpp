@@ -152,6 +152,17 @@ TEST_F(Netgen, TagsBecomeNumbersFromOne) {
   EXPECT_EQ(back.groups[2].tags, (std::vector{2}));
 }
 
+TEST_F(Netgen, NumbersOfSurfacesMayBeDoubles) {
+  TetMesh m = cube(1);
+  m.triangles = {{0, 1, 4}};
+  m.triangle_tags = {1};
+  m.triangle_data = {{"netgen:surface", 1, std::vector<double>{5}}};  // as .msh files have them
+  write_mesh(path("a.vol"), m, 1);
+  const TetMesh back = read_mesh(path("a.vol"), nullptr, 1);
+  ASSERT_EQ(back.triangle_data.size(), 1U);
+  EXPECT_EQ(back.triangle_data[0].values, DataValues(std::vector<std::int32_t>{5}));
+}
+
 TEST_F(Netgen, LostTagsAndNamesAreNamed) {
   TetMesh m = cube(1);
   m.triangles = {{0, 1, 4}};

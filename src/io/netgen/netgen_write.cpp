@@ -14,6 +14,7 @@
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "mesh/listed_faces.hpp"
+#include "mesh/whole_number.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -207,6 +208,20 @@ class NetgenWriter {
     for (std::size_t k = 0; k < count; ++k) entry.integer(nodes[k] + 1);
   }
 
+  /// The numbers of faces of the geometry per triangle, 0 for none; empty without data. Some formats make them doubles.
+  std::vector<int> surface_numbers() const {
+    std::vector<int> numbers;
+    for (const DataArray& array : mesh_.triangle_data) {
+      if (array.name != kNetgenSurface || array.components != 1) continue;
+      numbers.clear();
+      const auto add = [&numbers](const auto& values) {
+        for (const auto value : values) numbers.push_back(whole_number(double(value)).value_or(0));
+      };
+      std::visit(add, array.values);
+    }
+    return numbers;
+  }
+
   void write_surface() {
     std::vector<std::array<Index, 4>> faces;
     for (const auto& [a, b, c] : mesh_.triangles) faces.push_back({a, b, c, -1});
@@ -217,10 +232,7 @@ class NetgenWriter {
       faces.push_back({v[0], v[1], v[2], v[3]});
     }
     const NetgenSides sides(mesh_, faces, regions_);
-    const std::vector<std::int32_t>* surfaces = nullptr;
-    for (const DataArray& array : mesh_.triangle_data) {
-      if (array.name == kNetgenSurface) surfaces = std::get_if<std::vector<std::int32_t>>(&array.values);
-    }
+    const std::vector<int> surfaces = surface_numbers();
     section("surfaceelements", faces.size());
     const auto head = [&](auto& entry, std::size_t face, int surface, int number) {
       entry.integer(surface);
@@ -229,7 +241,7 @@ class NetgenWriter {
     };
     out_.lines(mesh_.triangles.size(), [&](auto& entry, std::size_t i) {
       const int number = patches_.of(mesh_.triangle_tags[i]);
-      head(entry, i, surfaces != nullptr && (*surfaces)[i] > 0 ? (*surfaces)[i] : number, number);
+      head(entry, i, !surfaces.empty() && surfaces[i] > 0 ? surfaces[i] : number, number);
       put(entry, mesh_.triangles[i], kNetgenTriangle, kTriangleEdges);
     });
     out_.lines(quad_count, [&](auto& entry, std::size_t i) {
