@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text files of periodic pairs (docs/formats.md).
+// Text files of periodic pairs (docs/command-line.md).
 #include <cmath>
 
 #include "backend/span.hpp"
