@@ -223,7 +223,7 @@ struct Su2Face {
 /// The elements of a mesh by markers: one per group of triangles, and one per other tag.
 class Su2Markers {
  public:
-  Su2Markers(const TetMesh& mesh, const IoContext& context) : context_(context) {
+  Su2Markers(const TetMesh& mesh, const IoContext& context) {
     const std::vector<const Group*> empty = empty_groups(mesh);
     for (const Group* const group : specific_first(mesh, 2)) {
       const std::string name = marker_of(group->name.empty() ? "patch" + std::to_string(group->number) : group->name);
@@ -241,6 +241,7 @@ class Su2Markers {
         add(block.tags[i], {kSu2Kinds[0].type, {v[0], v[1], v[2], v[3]}});
       }
     }
+    renamed_.warn(context);
   }
   const std::map<std::string, std::vector<Su2Face>>& faces() const { return faces_; }
   /// Whether a tag is in several groups; its elements are in the marker of that with the fewest tags.
@@ -265,11 +266,11 @@ class Su2Markers {
     for (int n = 2; marker2owner_.try_emplace(marker, name, of).first->second != std::pair{name, of}; ++n) {
       marker = plain + "_" + std::to_string(n);
     }
-    if (marker != name) context_.warn("the group \"" + name + "\" is written as " + marker);
+    renamed_.add(name, marker);
     return marker;
   }
 
-  const IoContext& context_;
+  RenamedGroups renamed_;
   std::map<int, std::string> names_;
   std::map<std::string, std::pair<std::string, MarkerOf>> marker2owner_;
   std::map<std::string, std::vector<Su2Face>> faces_;

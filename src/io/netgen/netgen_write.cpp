@@ -339,10 +339,9 @@ void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context, kNetgenSurface);
   warn_of_empty_groups(mesh, context);
-  for (const Group& group : mesh.groups) {
-    if (name_in_netgen(group) == group.name) continue;
-    context.warn("the group \"" + printable(group.name) + "\" is written as \"" + name_in_netgen(group) + "\"");
-  }
+  RenamedGroups renamed;
+  for (const Group& group : mesh.groups) renamed.add(group.name, name_in_netgen(group));
+  renamed.warn(context);
   const auto is_default = [](const Group& group) { return name_in_netgen(group) == kNetgenUnnamed; };
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), is_default)) {
     context.warn(std::string("the group \"") + kNetgenUnnamed +

@@ -23,6 +23,7 @@ class UnvGroupWriter {
   std::vector<UnvWrittenGroup> groups() {
     add_groups();
     add_node_sets();
+    renamed_.warn(context_);
     const std::size_t named = list_.size();
     add_groups_of_tags();
     number(named);
@@ -94,7 +95,7 @@ class UnvGroupWriter {
     std::string written = without_control_characters(trimmed(name));
     const auto [at, is_new] = positions_.try_emplace({number, written}, list_.size());
     if (!is_new) return list_[at->second];
-    if (written != name) context_.warn("the group \"" + printable(name) + "\" is written as " + written);
+    renamed_.add(name, written);
     return list_.emplace_back(UnvWrittenGroup{number, std::move(written), {}, nullptr});
   }
 
@@ -118,6 +119,7 @@ class UnvGroupWriter {
   const std::array<std::map<int, int>, 4>& properties_;
   const IoContext& context_;
   std::vector<UnvWrittenGroup> list_;
+  RenamedGroups renamed_;
   std::map<std::pair<int, std::string>, std::size_t> positions_;  ///< in list_, by number and name
   std::set<std::pair<int, int>> grouped_;                         ///< dimensions and tags
   /// The numbers of the groups of the mesh that add_groups_of_tags() adds, by dimension and tag.
