@@ -55,13 +55,15 @@ class MshReader {
   }
 
   void read_section(std::string_view name) {
+    const bool is_partitioned = name == "PartitionedEntities";
+    const bool is_parametric = name == "ParametricNodes";
     const bool on_nodes = name == "NodeData";
     if (name == "PhysicalNames") return read_msh_names(source_, model_);
     if (name == "Comments") return read_msh_comments(source_, model_);
-    if (!source_.is_old() && (name == "Entities" || name == "PartitionedEntities")) {
-      return element_reader_.read_entities(name != "Entities");
+    if (!source_.is_old() && (name == "Entities" || is_partitioned)) {
+      return element_reader_.read_entities(is_partitioned);
     }
-    if (name == "Nodes" || name == "ParametricNodes") return read_nodes(name != "Nodes");
+    if (name == "Nodes" || is_parametric) return read_nodes(is_parametric);
     if (name == "Elements") return element_reader_.read_elements();
     if (name == "Periodic") return read_msh_periodic(source_, model_, context_);
     if (on_nodes || name == "ElementData") return read_msh_view(source_, on_nodes, model_, context_);
