@@ -119,6 +119,7 @@ nb::bytes state_of(const T& object) {
     std::memcpy(bytes.data() + before, data, size);
   });
   writer(std::string(kMadeBy), kStreamVersion, object);
+  if constexpr (std::is_same_v<T, TetMesh>) writer(object.deck_nodes);  // which plugins have no use for
   return nb::bytes(bytes.data(), bytes.size());
 }
 
@@ -134,6 +135,7 @@ void restore(T* place, const nb::bytes& state) {
       throw nb::value_error((std::string("this pickle is not one of ") + kMadeBy).c_str());
     }
     reader(object);
+    if constexpr (std::is_same_v<T, TetMesh>) reader(object.deck_nodes);
   } catch (const FileError&) {
     throw nb::value_error("this pickle ends early");
   }

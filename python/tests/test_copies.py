@@ -91,6 +91,13 @@ def test_copies_of_meshes(tmp_path, copied):
     assert b'"heat"' in (tetune.write_mesh(tmp_path / "b.msh", copied(mesh)), (tmp_path / "b.msh").read_bytes())[1]
 
 
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda m: pickle.loads(pickle.dumps(m))])
+def test_copies_keep_the_numbers_of_nodes(tmp_path, copied):
+    (tmp_path / "in.bdf").write_text("GRID,10\nGRID,20,,1.\nGRID,30,,,1.\nGRID,40,,,,1.\nCTETRA,1,1,10,20,30,40\nENDDATA\n")
+    tetune.write_mesh(tmp_path / "out.bdf", copied(tetune.read_mesh(tmp_path / "in.bdf")))
+    assert "      10      20      30      40" in (tmp_path / "out.bdf").read_text()
+
+
 @pytest.mark.filterwarnings("ignore:max_deviation")
 def test_reports_and_results_are_pickled():
     points, tets = shaken_box()

@@ -103,6 +103,15 @@ void warn_of_shared_names(const IoContext& context) {
   context.warn("an element can have one name only: it has that of its group with the fewest tags");
 }
 
+void RenamedGroups::add(const std::string& name, const std::string& written) {
+  if (written == name) return;
+  texts_.push_back("the group \"" + without_control_characters(name) + "\" is written as " + written);
+}
+
+void RenamedGroups::warn(const IoContext& context) const {
+  if (!texts_.empty()) context.warn(listed_texts(texts_));
+}
+
 void warn_of_empty_group(const Group& group, const IoContext& context) {
   context.warn("the group \"" + group.name + "\" has no elements; it is not written");
 }

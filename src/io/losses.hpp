@@ -29,6 +29,16 @@ void warn_of_names(const TetMesh& mesh, const IoContext& context);
 void warn_of_point_elements(const IoContext& context);
 /// Warns of elements that are in several groups, where a format has one name per element.
 void warn_of_shared_names(const IoContext& context);
+/// The groups that a format writes under other names, of which one warning lists the first.
+class RenamedGroups {
+ public:
+  /// Lists a group if its names differ.
+  void add(const std::string& name, const std::string& written);
+  void warn(const IoContext& context) const;
+
+ private:
+  std::vector<std::string> texts_;
+};
 /// Warns of a named group without elements.
 void warn_of_empty_group(const Group& group, const IoContext& context);
 /// Warns of all named groups without elements.

@@ -94,7 +94,7 @@ class MeshWriter {
   Sink sink_;
 };
 
-/// Decodes what MeshWriter wrote. Throws FileError where the bytes end too early.
+/// Decodes what MeshWriter wrote. Throws FileError where the bytes end early or cannot be such.
 class MeshReader {
  public:
   explicit MeshReader(std::string_view bytes) : bytes_(bytes) {}
@@ -135,7 +135,7 @@ class MeshReader {
   }
 
  private:
-  [[noreturn]] static void fail() { throw FileError("the answer of the plugin is incomplete"); }
+  [[noreturn]] static void fail() { throw FileError("the encoded mesh ends early or is damaged"); }
   /// Reads the number of items of `item_bytes` or more each; fails where the rest of the bytes cannot hold them.
   std::uint64_t count(std::size_t item_bytes) {
     std::uint64_t n = 0;

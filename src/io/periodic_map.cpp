@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text files of periodic pairs (docs/formats.md).
+// Text files of periodic pairs (docs/command-line.md).
 #include <cmath>
-#include <cstdio>
 
 #include "backend/span.hpp"
 #include "io/text_cursor.hpp"
+#include "mesh/messages.hpp"
 #include "mesh/periodic.hpp"
 #include "system/file.hpp"
 #include "tetune/periodic.hpp"
@@ -36,9 +36,8 @@ void check_pair(TextCursor& cursor, const TetMesh& mesh, const PeriodicLink& lin
     distance = std::max(distance, std::fabs(span_of(mesh.points)[vertex][k] - at));
   }
   if (distance <= tolerance) return;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", distance);
-  cursor.fail("vertex " + std::to_string(vertex + 1) + " is " + text + " from vertex " + std::to_string(master + 1) +
+  cursor.fail("vertex " + std::to_string(vertex + 1) + " is " + short_text(distance) + " from vertex " +
+              std::to_string(master + 1) +
               " plus the translation; a pair of another translation belongs to a link of "
               "its own, which begins with \"translation X Y Z\"");
 }

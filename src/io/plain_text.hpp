@@ -9,6 +9,9 @@
 /// ASCII text of files, in which the locale has no part.
 namespace tetune {
 
+/// With which some programs start text in UTF-8.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 inline char in_upper_case(char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; }
 inline std::string in_upper_case(std::string_view text) {
   std::string result(text);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/plain_text.hpp"
 #include "mesh/node_sets.hpp"
 #include "mesh/sorted.hpp"
 #include "mesh/tet.hpp"
@@ -97,15 +98,14 @@ bool are_restored(const DataArray& array, const std::vector<Middle>& middles) {
 
 /// The warning of erase_middles().
 std::string lost_values(const std::vector<Middle>& middles, const TetMesh& mesh) {
-  std::string names;
-  const auto add = [&names](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
+  std::vector<std::string> names;
   for (const DataArray& array : mesh.point_data) {
-    if (!are_restored(array, middles)) add(array.name);
+    if (!are_restored(array, middles)) names.push_back(array.name);
   }
   const auto has_tag = [&mesh](const Middle& m) { return span_of(mesh.point_tags)[m.node] != 0; };
-  if (std::any_of(middles.begin(), middles.end(), has_tag)) add("tags");
+  if (std::any_of(middles.begin(), middles.end(), has_tag)) names.emplace_back("tags");
   if (names.empty()) return {};
-  return "values at mid-side nodes are not kept: " + names +
+  return "values at mid-side nodes are not kept: " + listed_texts(names) +
          "; writers give these nodes the means of both ends, the integers of one end, the sets of both, and no tag";
 }
 
@@ -256,7 +256,9 @@ Middles::Middles(TetMesh& mesh, MiddlesOf elements) : first_(to_index(mesh.point
     for (const Pair& p : pairs) edges_.push_back(ascending(v[p[0]], v[p[1]]));
   };
   for (const auto& tet : mesh.tets) add(tet.data(), kTetEdges);
-  for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
+  if (elements != MiddlesOf::tets_and_others) {
+    for (const auto& triangle : mesh.triangles) add(triangle.data(), kTriangleEdges);
+  }
   if (elements == MiddlesOf::all) {
     for (const auto& edge : mesh.edges) add(edge.data(), kEdgeEdges);
   }
@@ -306,6 +308,15 @@ void Middles::extend(PeriodicLink& link) const {
     if (std::binary_search(edges_.begin(), edges_.end(), master))
       link.pairs.push_back({of(a, b), of(master[0], master[1])});
   }
+}
+
+std::string lost_curved_edges(const TetMesh& mesh, const Middles* middles) {
+  if (middles == nullptr) return {};
+  const auto has_no_node = [middles](const CurvedEdge& e) { return !middles->has(e.vertices[0], e.vertices[1]); };
+  const auto straight = std::count_if(mesh.curved_edges.begin(), mesh.curved_edges.end(), has_no_node);
+  if (straight == 0) return {};
+  return std::to_string(straight) +
+         " curved edges of no other element are straight: the format has no mid-side nodes of edges";
 }
 
 }  // namespace tetune

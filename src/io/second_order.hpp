@@ -73,12 +73,13 @@ std::vector<std::string> erase_middles(const MiddleList& middles, TetMesh& mesh,
 /// The warning of writers of linear elements.
 std::string lost_middles(const TetMesh& mesh);
 
-/// The elements of a second-order mesh to which a format gives mid-side nodes.
-enum class MiddlesOf : std::uint8_t { all, all_but_edges };
+/// The elements of a second-order mesh to which a format gives mid-side nodes: tetrahedra, other elements of second
+/// order, listed triangles and listed edges, or the first ones of these.
+enum class MiddlesOf : std::uint8_t { all, all_but_edges, tets_and_others };
 
-/// Adds a node in the middle of each edge of the tetrahedra, listed triangles, edges and other elements of second
-/// order, after all others; on a curved edge at the listed position. Its data are the means of both ends, or the
-/// integers of the first end; it is in the sets of nodes that both ends are in, and has no tag.
+/// Adds a node in the middle of each edge of these elements, after all other nodes; on a curved edge at the listed
+/// position. Its data are the means of both ends, or the integers of the first end; it is in the sets of nodes that
+/// both ends are in, and has no tag.
 class Middles {
  public:
   explicit Middles(TetMesh& mesh, MiddlesOf elements = MiddlesOf::all);
@@ -105,6 +106,10 @@ class Middles {
   std::vector<std::array<Index, 2>> edges_;
   Index first_ = 0;
 };
+
+/// The warning of formats without mid-side nodes of edges, on listed edges that are curved and of no other element.
+/// Empty where there are none, or no `middles`.
+std::string lost_curved_edges(const TetMesh& mesh, const Middles* middles);
 
 /// Calls write(mesh, middles): of a mesh of first order with null, of one of second order with a copy that has its
 /// mid-side nodes, and these.

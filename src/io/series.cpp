@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "backend/span.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "system/file.hpp"
 #include "system/path.hpp"
@@ -55,12 +56,12 @@ class TagReader {
   [[noreturn]] void fail(const std::string& reason) const {
     const std::string_view before = text_.substr(0, at_);
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-    throw FileError(path_ + ", line " + std::to_string(line) + ": " + reason);
+    throw FileError(path_ + ":" + std::to_string(line) + ": " + reason);
   }
 
   /// Whether there is another tag; skips comments and declarations before it.
   bool has_next() {
-    if (at_ == 0 && text_.starts_with("\xef\xbb\xbf")) at_ = 3;
+    if (at_ == 0 && text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
     for (;;) {
       if (between_ == TextBetween::is_skipped) {
         at_ = std::min(text_.find('<', at_), text_.size());

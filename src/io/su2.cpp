@@ -12,6 +12,7 @@
 #include "io/group_order.hpp"
 #include "io/line_writer.hpp"
 #include "io/losses.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "io/text_cursor.hpp"
@@ -74,7 +75,11 @@ class Su2Reader {
     const char* const all = cursor_.skip(0);
     const std::string_view line = cursor_.line();
     const std::size_t equals = line.find('=');
-    if (equals == std::string_view::npos) cursor_.fail("expected a section such as NELEM= before this line");
+    if (equals == std::string_view::npos) {
+      cursor_.skip(all - cursor_.skip(0));
+      cursor_.fail("expected a section such as NELEM=, found \"" + printable(line.substr(0, 40)) +
+                   "\"; the section before it is longer than it says");
+    }
     cursor_.skip(line.data() + equals + 1 - cursor_.skip(0));
     std::string name(all, to_size_t(line.data() + equals - all));
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
@@ -97,6 +102,7 @@ class Su2Reader {
     } else if (name == "NZONE") {
       if (cursor_.integer("number of zones") != 1) cursor_.fail("the file has several zones; write each to a file");
     } else if (name == "NELEM") {
+      if (has_elements_) cursor_.fail("a second NELEM= section");
       read_elements(count("number of elements", 5), Su2List::solids);
       has_elements_ = true;
     } else if (name == "NPOIN") {
@@ -115,7 +121,7 @@ class Su2Reader {
     constexpr std::array<std::string_view, 3> kWithoutContent{"NMARK", "NPERIODIC", "IZONE"};
     const bool is_periodic = name.starts_with("PERIODIC_");
     if (!is_periodic && std::find(kWithoutContent.begin(), kWithoutContent.end(), name) == kWithoutContent.end()) {
-      skipped_.insert(name);
+      skipped_.insert(printable(name));
     }
     cursor_.line();
     while (!at_end()) {
@@ -177,11 +183,13 @@ class Su2Reader {
   }
 
   void read_marker() {
+    const TextCursor at_name = cursor_;
     const std::string name = rest_of_line();
-    if (name.empty()) cursor_.fail("MARKER_TAG= has no name");
+    if (name.empty()) at_name.fail("MARKER_TAG= has no name");
     ++marker_;
     mesh_.groups.push_back({2, marker_, name, {marker_}});
-    if (at_end() || keyword() != "MARKER_ELEMS") cursor_.fail("MARKER_ELEMS= is expected after MARKER_TAG= " + name);
+    if (at_end() || keyword() != "MARKER_ELEMS")
+      cursor_.fail("MARKER_ELEMS= is expected after MARKER_TAG= " + printable(name));
     const auto elements = count("number of elements of the marker", 3);
     if (!at_end() && cursor_.peek().starts_with("SEND_TO")) {
       cursor_.fail("the file is a part of a partitioned mesh (SEND_TO); use the whole mesh");
@@ -215,7 +223,7 @@ struct Su2Face {
 /// The elements of a mesh by markers: one per group of triangles, and one per other tag.
 class Su2Markers {
  public:
-  Su2Markers(const TetMesh& mesh, const IoContext& context) : context_(context) {
+  Su2Markers(const TetMesh& mesh, const IoContext& context) {
     const std::vector<const Group*> empty = empty_groups(mesh);
     for (const Group* const group : specific_first(mesh, 2)) {
       const std::string name = marker_of(group->name.empty() ? "patch" + std::to_string(group->number) : group->name);
@@ -233,6 +241,7 @@ class Su2Markers {
         add(block.tags[i], {kSu2Kinds[0].type, {v[0], v[1], v[2], v[3]}});
       }
     }
+    renamed_.warn(context);
   }
   const std::map<std::string, std::vector<Su2Face>>& faces() const { return faces_; }
   /// Whether a tag is in several groups; its elements are in the marker of that with the fewest tags.
@@ -257,11 +266,11 @@ class Su2Markers {
     for (int n = 2; marker2owner_.try_emplace(marker, name, of).first->second != std::pair{name, of}; ++n) {
       marker = plain + "_" + std::to_string(n);
     }
-    if (marker != name) context_.warn("the group \"" + name + "\" is written as " + marker);
+    renamed_.add(name, marker);
     return marker;
   }
 
-  const IoContext& context_;
+  RenamedGroups renamed_;
   std::map<int, std::string> names_;
   std::map<std::string, std::pair<std::string, MarkerOf>> marker2owner_;
   std::map<std::string, std::vector<Su2Face>> faces_;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/plain_text.hpp"
 #include "io/real_field.hpp"
 #include "system/real_text.hpp"
 #include "tetune/error.hpp"
@@ -158,7 +159,7 @@ class TextCursor {
     const std::string_view w = word();
     at_ = start;
     fail(std::string("expected ") + expected + " (" + name + "), found " +
-         (w.empty() ? "the end of the file" : std::string("\"").append(w.substr(0, 40)).append("\"")));
+         (w.empty() ? "the end of the file" : "\"" + printable(w.substr(0, 40)) + "\""));
   }
   double unusual_real(const char* start, const char* name) {
     at_ = start;

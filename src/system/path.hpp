@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 namespace tetune {
 
@@ -28,6 +29,12 @@ inline std::string with_ending(const std::string& file, std::string ending) {
     for (char& c : ending) c = c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c;
   }
   return path_of(file).replace_extension(ending).string();
+}
+
+/// Whether there is a regular file of that name.
+inline bool is_file(const std::string& name) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path_of(name), ignored);
 }
 
 }  // namespace tetune

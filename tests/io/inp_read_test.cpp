@@ -60,6 +60,8 @@ TEST_F(Inp, LinesOfGenerateAreNumbers) {
     EXPECT_THROW(read_mesh(put("a.inp", kTwoTets + "*NSET, NSET=A, GENERATE\n" + line + "\n"), nullptr, 1), FileError)
         << line;
   }
+  const std::string second = kTwoTets + "*NSET, NSET=A, GENERATE\n10, 20, 10\n10, 20, 0\n";
+  EXPECT_TRUE(contains(read_error(put("a.inp", second)), "a.inp:12: this line of a set should be FIRST, LAST, STEP"));
 }
 
 TEST_F(Inp, WhatOtherCardsNameByNumberIsHeld) {
@@ -204,6 +206,23 @@ TEST_F(Inp, SetsWithALoadOnEachNodeAreHeld) {
   }
   const std::string all = kTwoTets + "*ELSET, ELSET=E\n7\n*NSET, NSET=ALL, ELSET=E\n*CLOAD\nALL, 3, 1.\n";
   EXPECT_TRUE(contains(read_error(put("b.inp", all)), "b.inp:12: a load acts on each node of the set ALL"));
+}
+
+TEST_F(Inp, NamesInQuotationMarksAreThoseOfTheirSets) {
+  const std::string nodes = "*NSET, NSET=\"Load nodes\"\n10, 20, 30\n*CLOAD\n\"Load nodes\", 3, -1.\n";
+  const TetMesh loaded = read_mesh(put("a.inp", kTwoTets + nodes), nullptr, 1);
+  EXPECT_EQ(loaded.required_vertices, (std::vector<Index>{0, 1, 2}));
+  EXPECT_TRUE(loaded.triangles.empty());
+  // A section needs the set as a region, whatever its surface.
+  const std::string cards =
+      "*ELSET, ELSET=\"Bolt head\"\n7\n*SOLID SECTION, ELSET=\"Bolt head\", MATERIAL=M\n"
+      "*SURFACE, NAME=\"Top face\"\n\"Bolt head\", S1\n*NSET, NSET=\"Top face\"\n10, 20, 30\n";
+  const TetMesh m = read_mesh(put("b.inp", kTwoTets + cards), nullptr, 1);
+  EXPECT_EQ(m.tet_tags, (std::vector{1, 0}));
+  EXPECT_EQ(groups_of(m, 3), (std::map<std::string, std::vector<int>>{{"Bolt head", {1}}}));
+  EXPECT_EQ(groups_of(m, 2), (std::map<std::string, std::vector<int>>{{"Top face", {1}}}));
+  write_mesh(path("c.inp"), m, 1);
+  EXPECT_EQ(get("c.inp"), kTwoTets + cards);
 }
 
 TEST_F(Inp, OtherElementsAreHeld) {

@@ -99,6 +99,14 @@ TEST_F(Msh, GmshKeepsWhatHasNoTagOrANegativeOne) {
   }
 }
 
+TEST_F(Msh, ManyTagsInNoGroupAreOneWarning) {
+  std::vector<std::string> warnings;
+  write_mesh(path("a.msh"), with_tags({-1, -2, -3}, {5}), 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "elements of dimension 3 with the tag -1 are entity 1, in no group"));
+  EXPECT_TRUE(contains(warnings[0], "likewise those with 2 more tags"));
+}
+
 TEST_F(Msh, EntitiesOfOtherProgramsInNoGroupStayEntities) {
   const std::string two =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 0 0\n6 6 0 0\n"

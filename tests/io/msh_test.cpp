@@ -151,10 +151,11 @@ TEST_F(Msh, PartitionsAndSeveralStepsAreNamed) {
                    "$ElementNodeData\n1\n\"stress\"\n1\n0\n3\n0\n1\n1\n1 4 1 2 3 4\n$EndElementNodeData\n");
   std::vector<std::string> warnings;
   const TetMesh m = read_mesh(file, &warnings, 1);
-  ASSERT_EQ(warnings.size(), 3U);
+  ASSERT_EQ(warnings.size(), 4U);
   EXPECT_TRUE(contains(warnings[0], "of the data \"heat\" the first step is kept"));
   EXPECT_TRUE(contains(warnings[1], "section $ElementNodeData is not kept"));
-  EXPECT_TRUE(contains(warnings[2], "the partitions are kept as the data \"gmsh:partition\""));
+  EXPECT_TRUE(contains(warnings[2], "ghost elements of partitions are not kept"));
+  EXPECT_TRUE(contains(warnings[3], "the partitions are kept as the data \"gmsh:partition\""));
   EXPECT_EQ(doubles(*find(m.tet_data, "gmsh:partition")), (std::vector<double>{3, 2}));
   EXPECT_EQ(doubles(*find(m.point_data, "heat"))[1], 7);
 }
@@ -185,6 +186,15 @@ TEST_F(Msh, SizesOf32BitsAreRead) {
   }
 }
 
+TEST_F(Msh, NamesOfDataLoseQuotationMarksWithAWarning) {
+  TetMesh m = one_tet();
+  m.point_data = {{"the \"load\"", 1, std::vector<double>{1, 2, 3, 4}}};
+  std::vector<std::string> warnings;
+  write_mesh(path("a.msh"), m, 1, &warnings);
+  EXPECT_TRUE(contains(warnings, "without quotation marks and ends of lines: \"the 'load'\""));
+  EXPECT_NE(find(read_mesh(path("a.msh"), nullptr, 1).point_data, "the 'load'"), nullptr);
+}
+
 TEST_F(Msh, NamesMayLackQuotationMarks) {
   const std::string file = kOldHead + "$PhysicalNames\n1\n3 1 mild steel\n$EndPhysicalNames\n" + kOldNodes +
                            "$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"
@@ -209,7 +219,9 @@ TEST_F(Msh, ErrorsSayWhere) {
   refused("$MeshFormat\n2.2 0 4\n$EndMeshFormat\n", "a.msh:2: numbers of 4 bytes");
   refused("$MeshFormat\n4.1 0 2\n$EndMeshFormat\n", "a.msh:2: numbers of 2 bytes");
   refused(kOldHead + kOldNodes, "$Nodes or $Elements is missing");
-  refused(kOldHead + "$Elements\n0\n$EndElements\n", "a.msh:5: the section $Elements comes before $Nodes");
+  refused(kOldHead + "$Elements\n0\n$EndElements\n", "a.msh:4: the section $Elements comes before $Nodes");
+  refused(kOldHead + kOldNodes + kOldNodes, "a.msh:12: the section $Nodes occurs twice");
+  refused(kOldHead + kOldNodes + "$NodeData\n", "a.msh:12: the section $NodeData comes before $Elements");
   refused(kOldHead + "$Nodes\n5000000\n1 0 0 0\n", "a.msh:5: number of nodes is 5000000, more than the rest");
   refused(kOldHead + "$Nodes\n2\n1 0 0 0\n1 0 0 0\n$EndNodes\n", "node 1 occurs twice");
   refused(kOldHead + "$Nodes\n1\n1 0 x 0\n$EndNodes\n", "a.msh:6: expected a number (coordinate), found \"x\"");

@@ -152,6 +152,17 @@ TEST_F(Netgen, TagsBecomeNumbersFromOne) {
   EXPECT_EQ(back.groups[2].tags, (std::vector{2}));
 }
 
+TEST_F(Netgen, NumbersOfSurfacesMayBeDoubles) {
+  TetMesh m = cube(1);
+  m.triangles = {{0, 1, 4}};
+  m.triangle_tags = {1};
+  m.triangle_data = {{"netgen:surface", 1, std::vector<double>{5}}};  // as .msh files have them
+  write_mesh(path("a.vol"), m, 1);
+  const TetMesh back = read_mesh(path("a.vol"), nullptr, 1);
+  ASSERT_EQ(back.triangle_data.size(), 1U);
+  EXPECT_EQ(back.triangle_data[0].values, DataValues(std::vector<std::int32_t>{5}));
+}
+
 TEST_F(Netgen, LostTagsAndNamesAreNamed) {
   TetMesh m = cube(1);
   m.triangles = {{0, 1, 4}};
@@ -167,6 +178,15 @@ TEST_F(Netgen, LostTagsAndNamesAreNamed) {
   write_mesh(path("a.vol"), m, 1, &warnings);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_TRUE(contains(warnings[0], "\"default\" loses its name"));
+  m.groups = {{3, 1, "two\nlines ", {1}}, {2, 1, "in let", {1}}};
+  warnings.clear();
+  write_mesh(path("a.vol"), m, 1, &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(contains(warnings[0], "the group \"two?lines \" is written as two?lines"));
+  const TetMesh back = read_mesh(path("a.vol"), nullptr, 1);
+  ASSERT_EQ(back.groups.size(), 2U);
+  EXPECT_EQ(back.groups[0].name, "two?lines");
+  EXPECT_EQ(back.groups[1].name, "in let");
 }
 
 TEST_F(Netgen, DamageIsNamedWithItsLine) {
@@ -183,7 +203,7 @@ TEST_F(Netgen, DamageIsNamedWithItsLine) {
   EXPECT_TRUE(contains(error("1 4 1 3", "1 4 0 3"), "point number out of range"));
   EXPECT_TRUE(contains(error("points\n7", "dots\n7"), "no section \"points\""));
   EXPECT_TRUE(contains(error("2 3 -1 -1 0 1 2", "2 3 -1 -1 0 1 9"), "no description"));
-  EXPECT_TRUE(contains(error("1 5 1", "1 99 1"), "an identification has point 99, and the file has"));
+  EXPECT_TRUE(contains(error("1 5 1", "1 99 1"), "a.vol: an identification has point 99, and the file has"));
   // Netgen reads a file without its end, and some have none.
   const std::size_t points = kTwoNetgen.find("pointelements");
   for (std::size_t n = 0; n < kTwoNetgen.size(); ++n) {

@@ -137,6 +137,25 @@ TEST_F(SecondOrderOthers, ATetrahedronBetweenMidSideNodesOfOthersIsCounted) {
   EXPECT_TRUE(warnings[0].ends_with("as other elements have them: 1 of the tetrahedra")) << warnings[0];
 }
 
+TEST_F(SecondOrderOthers, CurvedEdgesOfNoOtherElementAreNamedWhereTheyBecomeStraight) {
+  TetMesh m = one_tet();
+  m.points.insert(m.points.end(), {{2, 0, 0}, {3, 0, 0}});
+  m.point_tags.assign(6, 0);
+  m.edges = {{4, 5}};
+  m.edge_tags = {1};
+  m.second_order = true;
+  m.curved_edges = {{{4, 5}, {2.5, 0.5, 0}}};
+  for (const std::string name : {"a.bdf", "a.vol"}) {
+    std::vector<std::string> warnings;
+    write_mesh(path(name), m, 1, &warnings);
+    EXPECT_TRUE(contains(warnings, "1 curved edges of no other element are straight")) << name;
+    EXPECT_EQ(read_mesh(path(name), nullptr, 1).points, m.points) << name;
+  }
+  // A deck has neither such edges nor their mid-side nodes.
+  write_mesh(path("a.inp"), m, 1);
+  EXPECT_EQ(read_mesh(path("a.inp"), nullptr, 1).points, m.points);
+}
+
 TEST_F(SecondOrderOthers, NastranElementsHaveAllMidSideNodesOrNone) {
   Written file = in_bdf(manuals()[2], {-1, -1});
   const std::size_t last = file.text.rfind(",15");

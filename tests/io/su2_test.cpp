@@ -85,7 +85,7 @@ TEST_F(Su2, DifferentGroupsAreDifferentMarkers) {
   m.groups = {{2, 1, "a b", {1}}, {2, 2, "a_b", {2}}, {2, 6, "patch5", {6}}, {3, 7, "steel", {}}};
   std::vector<std::string> warnings;
   write_mesh(path("a.su2"), m, 1, &warnings);
-  EXPECT_TRUE(contains(warnings, "a_b_2"));
+  EXPECT_TRUE(contains(warnings, "the group \"a b\" is written as a_b, the group \"a_b\" is written as a_b_2"));
   EXPECT_TRUE(contains(warnings, "names of groups"));
   const TetMesh back = read_mesh(path("a.su2"), nullptr, 1);
   const std::set<int> tags(back.triangle_tags.begin(), back.triangle_tags.end());
@@ -114,8 +114,11 @@ TEST_F(Su2, DamageIsNamedWithItsLine) {
   EXPECT_TRUE(contains(error("10 0 1", "11 0 1"), "a.su2:4: elements of type 11"));
   EXPECT_TRUE(contains(error("5 0 1 2", "10 0 1 2 3"), "a.su2:17: elements of type 10 cannot be in a marker"));
   EXPECT_TRUE(contains(error("NELEM= 3", "NELEM= 300000000"), "more than the rest of the file can hold"));
-  EXPECT_TRUE(contains(error("NELEM= 3", "NELEM= 2"), "expected a section"));
+  EXPECT_TRUE(
+      contains(error("NELEM= 3", "NELEM= 2"), "a.su2:7: expected a section such as NELEM=, found \"14 0 1 2 3 4\""));
+  EXPECT_TRUE(contains(error("NMARK= 2", "NELEM= 0"), "a.su2:14: a second NELEM= section"));
   EXPECT_TRUE(contains(error("MARKER_ELEMS= 2", "MARKER_ELEM= 2"), "MARKER_ELEMS= is expected"));
+  EXPECT_TRUE(contains(error("MARKER_TAG= wall", "MARKER_TAG= % wall"), "a.su2:15: MARKER_TAG= has no name"));
   EXPECT_TRUE(contains(error("NPOIN= 5 5", "NPOINTS= 5"), "NPOIN="));
 }
 

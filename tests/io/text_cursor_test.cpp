@@ -35,5 +35,16 @@ TEST(TextCursor, RefusesWhatOnlyBeginsAsAnInteger) {
   }
 }
 
+TEST(TextCursor, MessagesHaveNoControlCharacters) {
+  TextCursor cursor("numbers", "1\n\x1b[2J");
+  cursor.integer("number");
+  try {
+    cursor.integer("number");
+    ADD_FAILURE() << "accepted";
+  } catch (const FileError& e) {
+    EXPECT_STREQ(e.what(), "numbers:2: expected an integer (number), found \"?[2J\"");
+  }
+}
+
 }  // namespace
 }  // namespace tetune

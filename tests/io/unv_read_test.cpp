@@ -325,5 +325,15 @@ TEST_F(Unv, EveryTruncationIsRefusedOrNamed) {
   }
 }
 
+TEST_F(Unv, NumbersOfNodesFromZeroAreNotKept) {
+  std::string nodes = kUnvTetNodes, tet = kUnvTet;
+  nodes.replace(9, 1, "0");
+  tet.replace(tet.rfind("         1         2"), 10, "         0");
+  const TetMesh m = read(unv_set("2411", nodes) + unv_set("2412", tet));
+  EXPECT_EQ(m.tets, (std::vector<std::array<Index, 4>>{{0, 1, 2, 3}}));
+  EXPECT_TRUE(m.deck_nodes.empty());
+  EXPECT_TRUE(warned("a node has the number 0: the nodes are numbered from 1"));
+}
+
 }  // namespace
 }  // namespace tetune::test

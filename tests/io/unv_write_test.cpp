@@ -171,6 +171,17 @@ TEST_F(Unv, NumbersOfGroupsDiffer) {
   warnings_.clear();
   write_mesh(path("a.unv"), m, 1, &warnings_);
   EXPECT_TRUE(warned("the group \"two?lines \" is written as two?lines"));
+  // Ten digits can be beyond 32 bits.
+  const std::string zeros = "         0         0         0         0         0         0";
+  const std::string set = "5000000000" + zeros +
+                          "         2\nload\n         7         1         0         0         7" +
+                          "         2         0         0\n";
+  m = read(kUnvNodes + unv_set("2412", kUnvTet) + unv_set("2467", set));
+  ASSERT_EQ(m.point_data.size(), 1U);
+  EXPECT_EQ(m.point_data[0].name, "node_set:5000000000:load");
+  write_mesh(path("a.unv"), m, 1, &warnings_);
+  EXPECT_TRUE(warned("1 groups get other numbers"));
+  EXPECT_EQ(read_mesh(path("a.unv"), nullptr, 1).point_data[0].name, "node_set:1:load");
 }
 
 TEST_F(Unv, GroupsThatAreNamedLikeThoseOfTagsKeepTheirNumbers) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "backend/span.hpp"
@@ -12,9 +11,11 @@
 #include "io/msh/msh_format.hpp"
 #include "math/constants.hpp"
 #include "math/vec3.hpp"
+#include "mesh/messages.hpp"
 #include "mesh/tet.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "mesh/validate_arrays.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -29,17 +30,6 @@ Answer ask(PluginSession& session, const char* verb, const Query& query) {
 }
 
 Point3 scaled(const Point3& p, double factor) { return {factor * p[0], factor * p[1], factor * p[2]}; }
-
-std::string text_of(const char* format, double x, double y, double z) {
-  char text[128];
-  std::snprintf(text, sizeof text, format, x, y, z);
-  return text;
-}
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
 
 /// The surface of a mesh with its own numbers of points.
 struct MeshSurface {
@@ -117,7 +107,7 @@ std::string unit_hint(double ratio, double unit) {
   constexpr double kTolerance = 0.05;
   for (const LengthUnit& u : kLengthUnits) {
     if (std::fabs(ratio / u.mm - 1) < kTolerance && std::fabs(unit / u.mm - 1) > kTolerance) {
-      return "; geometry_unit=" + number(u.mm) + " (" + u.name + ") would make the sizes equal";
+      return "; geometry_unit=" + short_text(u.mm) + " (" + u.name + ") would make the sizes equal";
     }
   }
   return "";
@@ -134,12 +124,12 @@ std::string unit_hint(double ratio, double unit) {
   const double size = diagonal_of(mesh.points, surface.surface2mesh);
   const double farthest = span_of(distances)[worst];
   // The search is limited.
-  const std::string distance = std::isinf(farthest) ? "such as that" : "the farthest by " + number(farthest);
-  throw MeshError(
-      "the mesh and the geometry of " + geometry.file() + " do not belong together: " + std::to_string(farther) +
-      " vertices of the boundary are too far from it, " + distance + text_of(" at %.6g %.6g %.6g", p[0], p[1], p[2]) +
-      "; the diagonal of the mesh is " + number(size) + ", that of the geometry " + number(geometry.diagonal()) +
-      unit_hint(unit * geometry.diagonal() / size, unit));
+  const std::string distance =
+      std::isinf(farthest) ? "such as that " : "the farthest by " + short_text(farthest) + ", ";
+  throw MeshError("the mesh and the geometry of " + geometry.file() + " do not belong together: " +
+                  std::to_string(farther) + " vertices of the boundary are too far from it, " + distance +
+                  place_text(p) + "; the diagonal of the mesh is " + short_text(size) + ", that of the geometry " +
+                  short_text(geometry.diagonal()) + unit_hint(unit * geometry.diagonal() / size, unit));
 }
 
 /// Per triangle of a surface the number of the surface of an .msh file; empty where the mesh is of another origin.
@@ -190,7 +180,7 @@ Geometry::Geometry(std::string file, double unit, int threads)
       threads_(threads),
       session_(std::make_shared<PluginSession>(kOcctPlugin, file_)) {
   if (!(unit > 0 && std::isfinite(unit))) {
-    throw OptionError("geometry_unit is " + std::to_string(unit) + "; it must be a positive length in mm");
+    throw OptionError("geometry_unit is " + number_text(unit) + "; it must be a positive length in mm");
   }
   if (threads < 0) throw OptionError("threads is " + std::to_string(threads) + "; it must be 0 or positive");
   { const MappedFile readable(file_); }  // an error of opening has the same message for all files

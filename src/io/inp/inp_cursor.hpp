@@ -65,11 +65,10 @@ class InpCursor {
   void skip_comments() {
     while (!at_end() && line_kind() == Line::comment) take_line();
   }
-  /// Continues after the mark with which some programs start text in UTF-8; returns whether there is one.
+  /// Continues after kByteOrderMark; returns whether there is one.
   bool take_byte_order_mark() {
-    constexpr std::string_view kMark = "\xEF\xBB\xBF";
-    const bool has_mark = std::string_view(at_, to_size_t(end_ - at_)).starts_with(kMark);
-    if (has_mark) at_ += kMark.size();
+    const bool has_mark = std::string_view(at_, to_size_t(end_ - at_)).starts_with(kByteOrderMark);
+    if (has_mark) at_ += kByteOrderMark.size();
     return has_mark;
   }
 

@@ -133,20 +133,21 @@ void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, In
 }
 
 void read_inp_set_line(InpCursor& cursor, const InpCardKind& kind, InpScan& scan) {
-  const InpPlace& where = scan.set_places.back();
   InpSetLines& lines = scan.set_lines.back();
   const bool generates = scan.model.set_cards.back().generates;
   if (scan.model.set_cards.back().follows_elements) {
     cursor.take_line();
     return;
   }
+  const std::int64_t line = cursor.line();
   const std::vector<std::string_view> fields = inp_fields(cursor.take_line());
   if (generates) {
     std::array<std::int64_t, 3> range{0, 0, 1};
     bool is_range = fields.size() == 2 || fields.size() == 3;
     for (std::size_t k = 0; is_range && k < fields.size(); ++k) is_range = parse_inp_integer(fields[k], range[k]);
     if (!is_range || range[2] <= 0) {
-      where.fail("a line of this set is not FIRST, LAST, STEP, as GENERATE requires");
+      cursor.fail_at(line,
+                     "this line of a set should be FIRST, LAST, STEP, as GENERATE requires, with a positive STEP");
     }
     lines.ranges.push_back(range);
     return;

@@ -38,8 +38,8 @@ struct InpEntityCard {
 
 /// A set of nodes or elements: all cards of one name.
 struct InpSet {
-  std::string name;        ///< as written
-  std::string key;         ///< by which it is found (InpReferences::key())
+  std::string name;        ///< as written, without quotation marks; in a deck of parts as the assembly names it
+  std::string key;         ///< by which names are compared (InpReferences::key())
   std::string parameters;  ///< of a further card of the set: "*NSET, NSET=name"
   bool of_nodes = false;
   /// Nodes by position, elements by position among all elements; ascending.
@@ -103,7 +103,7 @@ struct InpFaceGroup {
 /// A *SURFACE card, or one of loads on faces.
 struct InpFaceCard {
   std::string_view head;
-  std::string name;           ///< of a *SURFACE
+  std::string name, key;      ///< of a *SURFACE, as those of a set
   bool in_assembly = false;   ///< see InpReferences
   std::string other_lines;    ///< that are no faces of tetrahedra
   std::vector<Index> groups;  ///< positions in InpModel::face_groups

@@ -47,7 +47,8 @@ ListedFaces<3> tagged_triangles(const InpModel& model, const TetMesh& mesh) {
     if (tag == 0) continue;
     const Index patch = find_inp_tag(model.patches, tag);
     if (patch < 0)
-      throw FileError("a triangle has the tag " + std::to_string(tag) + ", which no surface of the deck has");
+      throw FileError("a triangle has the tag " + std::to_string(tag) + ", which no surface of the deck has" +
+                      kNotOfDeck);
     occurs[to_size_t(patch)] = true;
     triangles.emplace_back(mesh.triangles[i], to_index(i));
   }
@@ -88,14 +89,15 @@ std::vector<std::vector<InpLabeledFace>> find_inp_faces(const InpModel& model, c
     for (const InpPatchMember& member : span_of(model.patches)[patch].members) {
       const auto on_side = std::find_if(at, end, [&](const Neighbor& n) { return is_outer || n.side == member.side; });
       if (on_side == end)
-        throw FileError("tetrahedra at a triangle of a surface of the deck are on the same side of it");
+        throw FileError(std::string("tetrahedra at a triangle of a surface of the deck are on the same side of it") +
+                        kNotOfDeck);
       span_of(faces)[member.group].push_back({span_of(match.tet_labels)[on_side->tet], on_side->face});
     }
     at = end;
   }
   if (found != triangles.size()) {
     throw FileError(std::to_string(triangles.size() - found) +
-                    " triangles of surfaces of the deck are no faces of tetrahedra");
+                    " triangles of surfaces of the deck are no faces of tetrahedra" + kNotOfDeck);
   }
   for (std::vector<InpLabeledFace>& list : faces) sort_unique(list);
   return faces;

@@ -183,7 +183,9 @@ class InpFollower {
     const Index set_of_card = model_.node_cards.back().set;
     sets_of_.resize(match_.inserted.size());
     for (Index s = 0; s < std::ssize(model_.sets); ++s) {
-      for (const Index node : span_of(model_.sets)[s].rest) sets_of_rest_.emplace_back(node, s);
+      const InpSet& set = span_of(model_.sets)[s];
+      for (const Index node : set.rest) sets_of_rest_.emplace_back(node, s);
+      if (set.of_nodes && !(set.regions.empty() && set.patches.empty())) sets_of_tags_.push_back(s);
     }
     sort_unique(sets_of_rest_);
     changes_.appends_nodes = true;
@@ -237,13 +239,13 @@ class InpFollower {
   /// The sets of nodes that have all vertices of one of these regions or patches.
   std::vector<Index> sets_with(const std::set<int>& regions, const std::set<int>& patches, bool is_middle) const {
     std::vector<Index> sets;
-    for (Index s = 0; s < std::ssize(model_.sets); ++s) {
+    for (const Index s : sets_of_tags_) {
       const InpSet& set = span_of(model_.sets)[s];
       const auto any_of = [](const std::vector<int>& tags, const std::set<int>& found) {
         return std::any_of(tags.begin(), tags.end(), [&found](int tag) { return found.count(tag) != 0; });
       };
       if (is_middle && !set.adds_middles) continue;
-      if (set.of_nodes && (any_of(set.regions, regions) || any_of(set.patches, patches))) sets.push_back(s);
+      if (any_of(set.regions, regions) || any_of(set.patches, patches)) sets.push_back(s);
     }
     return sets;
   }
@@ -267,9 +269,9 @@ class InpFollower {
     if (to_index(c) == last_card(set)) {
       std::vector<std::int64_t>& more = span_of(additions_)[card.set];
       if (set.is_auxiliary) {
-        std::set<std::int64_t> wanted = auxiliary_members_[card.set];
-        for (const Index member : set.members) wanted.erase(span_of(model_.element_labels)[member]);
-        more.assign(wanted.begin(), wanted.end());
+        std::set<std::int64_t> joining = auxiliary_members_[card.set];
+        for (const Index member : set.members) joining.erase(span_of(model_.element_labels)[member]);
+        more.assign(joining.begin(), joining.end());
       }
       is_same = is_same && more.empty();
       labels.insert(labels.end(), more.begin(), more.end());
@@ -292,6 +294,7 @@ class InpFollower {
   std::vector<std::vector<Index>> sets_of_;                    ///< per inserted node
   std::vector<std::vector<std::int64_t>> additions_;           ///< per set
   std::vector<std::pair<Index, Index>> sets_of_rest_;          ///< by their InpSet::rest: a node, a set
+  std::vector<Index> sets_of_tags_;                            ///< those of nodes with regions or patches, ascending
   InpChanges changes_;
 };
 

@@ -2,7 +2,6 @@
 #include "io/inp/inp_include.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "io/registry.hpp"
 #include "system/path.hpp"
@@ -30,7 +29,7 @@ class InpKeywordWalk {
       const std::string* input = keyword.name == "INCLUDE" ? keyword.find("INPUT") : nullptr;
       if (input == nullptr || input->empty() || depth >= kMaxInpDepth || ++includes_ > kMaxInpIncludes) continue;
       const std::string path = included_inp_path(deck_, file, *input);
-      if (is_inp_file(path)) walk(path, MappedFile(path).bytes(), depth + 1);
+      if (is_file(path)) walk(path, MappedFile(path).bytes(), depth + 1);
     }
   }
 
@@ -42,18 +41,13 @@ class InpKeywordWalk {
 
 }  // namespace
 
-bool is_inp_file(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path_of(path), ignored);
-}
-
 std::string included_inp_path(const std::string& deck, const std::string& file, std::string name) {
   std::erase(name, '"');
   const auto in_folder_of = [&name](const std::string& of) {
     return (path_of(of).parent_path() / path_of(name)).lexically_normal().string();
   };
   std::string path = in_folder_of(deck);
-  return is_inp_file(path) ? path : in_folder_of(file);
+  return is_file(path) ? path : in_folder_of(file);
 }
 
 void for_each_inp_keyword(const std::string& deck, std::string_view text,
@@ -68,8 +62,7 @@ std::vector<std::string> included_inp_files(const std::string& path) {
     const std::string* input = keyword.name == "INCLUDE" ? keyword.find("INPUT") : nullptr;
     if (input == nullptr || input->empty()) return;
     std::string file = included_inp_path(path, where.file, *input);
-    if (is_inp_file(file) && std::find(found.begin(), found.end(), file) == found.end())
-      found.push_back(std::move(file));
+    if (is_file(file) && std::find(found.begin(), found.end(), file) == found.end()) found.push_back(std::move(file));
   });
   return found;
 }

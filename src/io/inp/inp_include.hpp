@@ -13,9 +13,6 @@ namespace tetune {
 
 inline constexpr std::size_t kMaxInpDepth = 20, kMaxInpIncludes = 1000;
 
-/// Whether the path is that of a regular file.
-bool is_inp_file(const std::string& path);
-
 /// The file that an *INCLUDE card of `file` names: in the folder of the deck, or else in that of the file.
 std::string included_inp_path(const std::string& deck, const std::string& file, std::string name);
 

@@ -51,7 +51,8 @@ class InpMatcher {
       }
       const Index node = model_.node(label);
       if (node < 0 || span_of(match_.node2vertex)[node] >= 0) {
-        throw FileError("the node " + std::to_string(label) + (node < 0 ? " is not in the deck" : " is in it twice"));
+        throw FileError("the node " + std::to_string(label) +
+                        (node < 0 ? " is not in the deck" : " is in the mesh twice") + kNotOfDeck);
       }
       span_of(match_.vertex2node)[v] = node;
       span_of(match_.node2vertex)[node] = v;
@@ -118,7 +119,8 @@ class InpMatcher {
       const int tag = span_of(mesh_.tet_tags)[t];
       const Index region = find_inp_tag(model_.regions, tag);
       if (region < 0 || span_of(last_card)[region] < 0) {
-        throw FileError("a tetrahedron has the tag " + std::to_string(tag) + ", which none of the deck has");
+        throw FileError("a tetrahedron has the tag " + std::to_string(tag) + ", which none of the deck has" +
+                        kNotOfDeck);
       }
       std::vector<Index>& free = span_of(missing)[region];
       if (free.empty()) {

@@ -10,6 +10,9 @@
 
 namespace tetune {
 
+/// The remedy where a mesh is not one of its deck.
+inline constexpr const char* kNotOfDeck = "; write a mesh that this deck can follow, or another format";
+
 /// The correspondence between the entities of a mesh and those of its deck.
 struct InpMatch {
   /// Per vertex: its node in the deck, or -1; and its number.

@@ -99,7 +99,8 @@ void erase_inp_middles(InpModel& model, TetMesh& mesh, const std::string& path) 
   const std::vector<std::uint8_t> is_middle = middle_flags(model);
   const auto refuse = [&](Index v) {
     if (span_of(is_middle)[v] == 0) return;
-    throw FileError(path + ": " + name_of(model, v) + " is a mid-side node and a vertex of another element");
+    throw FileError(path + ": " + name_of(model, v) +
+                    " is a mid-side node and a vertex of another element; give all elements the same order");
   };
   for (const auto& triangle : mesh.triangles) std::for_each(triangle.begin(), triangle.end(), refuse);
   for (const auto& edge : mesh.edges) std::for_each(edge.begin(), edge.end(), refuse);

@@ -131,12 +131,13 @@ class InpGroups {
   /// Names of sets that stand for a tag begin with `start`.
   InpGroups(TetMesh& mesh, int dimension, const char* start) : mesh_(mesh), dimension_(dimension), start_(start) {}
 
-  /// Adds a group, or tags to the one of this name, unless its name says no more than its tag.
-  void add(const std::string& name, const std::vector<int>& tags) {
-    if (tags.empty() || (tags.size() == 1 && is_inp_tag_name(name, start_, tags[0]))) return;
-    const auto [at, is_new] = name2group_.try_emplace(inp_name(name), mesh_.groups.size());
+  /// Adds the group of a set or a surface, or tags to the one of its name, unless the name says no more than the tag.
+  template <class Named>
+  void add(const Named& named, const std::vector<int>& tags) {
+    if (tags.empty() || (tags.size() == 1 && is_inp_tag_name(named.name, start_, tags[0]))) return;
+    const auto [at, is_new] = key2group_.try_emplace(named.key, mesh_.groups.size());
     if (is_new) {
-      mesh_.groups.push_back({dimension_, free_number(tags), name, tags});
+      mesh_.groups.push_back({dimension_, free_number(tags), named.name, tags});
       return;
     }
     std::vector<int>& all = mesh_.groups[at->second].tags;
@@ -156,7 +157,7 @@ class InpGroups {
   TetMesh& mesh_;
   int dimension_;
   const char* start_;
-  std::map<std::string, std::size_t> name2group_;
+  std::map<std::string, std::size_t> key2group_;
   FreeNumbers numbers_{{}};
 };
 
@@ -176,25 +177,25 @@ std::vector<int> tags_of_quads(const InpSet& set, const InpModel& model) {
 void add_groups(const InpModel& model, TetMesh& mesh) {
   InpGroups volumes(mesh, 3, "Volume"), patches(mesh, 2, "Surface");
   for (const InpSet& set : model.sets) {
-    if (!set.of_nodes) volumes.add(set.name, set.regions);
+    if (!set.of_nodes) volumes.add(set, set.regions);
   }
   const std::vector<std::vector<int>> group2tags = tags_of_face_groups(model);
   std::set<std::string> surfaces;
   for (const InpFaceCard& card : model.face_cards) {
     if (card.name.empty()) continue;
-    surfaces.insert(inp_name(card.name));
+    surfaces.insert(card.key);
     std::vector<int> tags;
     for (const Index g : card.groups) {
       tags.insert(tags.end(), span_of(group2tags)[g].begin(), span_of(group2tags)[g].end());
     }
     sort_unique(tags);
-    patches.add(card.name, tags);
+    patches.add(card, tags);
   }
   for (const InpSet& set : model.sets) {
-    if (!set.of_nodes || !set.regions.empty() || surfaces.count(inp_name(set.name)) != 0) continue;
-    patches.add(set.name, set.patches);
+    if (!set.of_nodes || !set.regions.empty() || surfaces.count(set.key) != 0) continue;
+    patches.add(set, set.patches);
   }
-  for (const InpSet& set : model.sets) patches.add(set.name, tags_of_quads(set, model));
+  for (const InpSet& set : model.sets) patches.add(set, tags_of_quads(set, model));
 }
 
 /// Holds the nodes and elements that other cards name by number.

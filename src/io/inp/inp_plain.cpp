@@ -69,6 +69,7 @@ class InpPlainWriter {
     find_patches();
     for (const auto& [tag, faces] : patches_) write_patch("Surface" + std::to_string(tag), {tag});
     for (const Group& group : mesh_.groups) write_group(group);
+    renamed_.warn(context_);
   }
 
  private:
@@ -235,7 +236,7 @@ class InpPlainWriter {
     for (int n = 2; is_tag_name(name, start) || !names_.insert({group.dimension, inp_name(name)}).second; ++n) {
       name = base + "_" + std::to_string(n);
     }
-    if (name != group.name) context_.warn("the group \"" + group.name + "\" is written as " + name);
+    renamed_.add(group.name, name);
     return name;
   }
   static bool is_tag_name(const std::string& name, const std::string& start) {
@@ -252,12 +253,14 @@ class InpPlainWriter {
   std::map<int, std::vector<PatchFace>> patches_;
   std::set<std::pair<int, int>> element_tags_;   ///< of elements, by dimension: faces of tetrahedra are none
   std::set<std::pair<int, std::string>> names_;  ///< by dimension
+  RenamedGroups renamed_;
 };
 
 }  // namespace
 
 void write_inp_plain(FileWriter& file, const TetMesh& mesh, const IoContext& context) {
-  write_with_middles(mesh, MiddlesOf::all, [&](const TetMesh& m, const Middles* middles) {
+  // Edges and triangles of no tetrahedron are not written; their nodes would be of no element.
+  write_with_middles(mesh, MiddlesOf::tets_and_others, [&](const TetMesh& m, const Middles* middles) {
     InpPlainWriter(file, m, middles, context).write();
   });
 }

@@ -11,6 +11,7 @@
 #include "io/inp/inp_cursor.hpp"
 #include "io/inp/inp_data.hpp"
 #include "io/inp/inp_include.hpp"
+#include "system/path.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -147,7 +148,10 @@ class InpScanner {
     InpFaceCard card;
     card.head = head_from(start);
     card.in_assembly = scan_.in_assembly;
-    if (const std::string* name = keyword.find("NAME")) card.name = *name;
+    if (const std::string* name = keyword.find("NAME")) {
+      card.name = scan_.full_name(*name);
+      card.key = scan_.key(*name);
+    }
     add_piece(InpPiece::Kind::faces, start, model_.face_cards.size());
     model_.face_cards.push_back(std::move(card));
     scan_.face_lines.emplace_back();
@@ -235,7 +239,7 @@ class InpScanner {
     const auto [at, is_new] = scan_.names.try_emplace({of_nodes, key}, to_index(model_.sets.size()));
     if (is_new) {
       InpSet set;
-      set.name = unquoted_inp_name(name);
+      set.name = scan_.full_name(name);
       set.key = key;
       set.parameters = std::string(of_nodes ? "*NSET, NSET=" : "*ELSET, ELSET=") + name;
       set.of_nodes = of_nodes;
@@ -249,7 +253,7 @@ class InpScanner {
     if (input == nullptr || input->empty()) where.fail("*INCLUDE has no INPUT");
     if (stack_.size() >= kMaxInpDepth || ++includes_ > kMaxInpIncludes) where.fail("there are too many included files");
     const std::string path = included_inp_path(main_path_, where.file, *input);
-    if (!is_inp_file(path)) where.fail("the included file " + path + " does not exist");
+    if (!is_file(path)) where.fail("the included file " + path + " does not exist");
     if (std::find(stack_.begin(), stack_.end(), path) != stack_.end()) where.fail(path + " includes itself");
     const InpCursor here = cursor_;
     read_file(path, std::string(MappedFile(path).bytes()));

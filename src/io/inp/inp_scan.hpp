@@ -63,6 +63,10 @@ struct InpScan {
   /// Whether the present line is in the assembly or a step of a deck of parts (InpReferences).
   bool in_assembly = false;
 
+  /// The name of a set or surface as the assembly has it.
+  std::string full_name(std::string_view written) const {
+    return (in_assembly ? std::string() : model.references.written_prefix()) + unquoted_inp_name(written);
+  }
   std::string key(std::string_view written) const { return model.references.key(written, in_assembly); }
   bool parse_label(std::string_view field, std::int64_t& label) const {
     return model.references.parse_label(field, in_assembly, label);

@@ -143,7 +143,7 @@ class InpDeckWriter {
   InpMatch match_;
   InpChanges changes_;
   std::string out_;
-  char last_written_ = '\n';  ///< by which end_line() knows whether a line has ended
+  char last_written_ = '\n';  ///< for end_line(), after flush()
 };
 
 }  // namespace

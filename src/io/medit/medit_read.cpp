@@ -7,6 +7,7 @@
 
 #include "backend/cpu.hpp"
 #include "io/medit/medit_codec.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
 #include "tetune/error.hpp"
@@ -263,8 +264,7 @@ class MeditReader {
 };
 
 TetMesh parse_text(const std::string& path, std::string_view bytes, const IoContext& context) {
-  constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
-  if (bytes.starts_with(kUtf8Mark)) bytes.remove_prefix(kUtf8Mark.size());
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   TextCursor cursor(path, bytes);
   TextSource source(cursor, context.threads);
   TetMesh mesh;
@@ -281,10 +281,10 @@ TetMesh parse_text(const std::string& path, std::string_view bytes, const IoCont
       reader.set_dimension(cursor.integer("dimension"));
     } else if (!reader.read(word, 0)) {
       if (!TextCursor::is_letter(word[0])) {
-        cursor.fail("expected a section name, found \"" + std::string(word.substr(0, 40)) +
+        cursor.fail("expected a section name, found \"" + printable(word.substr(0, 40)) +
                     "\"; the section before it is longer than it says");
       }
-      context.warn(path + ": section " + std::string(word.substr(0, 60)) + " is not kept by tetune; skipped");
+      context.warn(path + ": section " + printable(word.substr(0, 60)) + " is not kept by tetune; skipped");
       cursor.skip_numbers();
     }
   }

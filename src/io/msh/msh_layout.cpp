@@ -104,6 +104,14 @@ std::vector<std::vector<int>> entities_of_tags(std::span<const MshKind> kinds, E
   return numbers;
 }
 
+/// Warns of what happens to the elements of a dimension with some tags, of which there may be thousands.
+void warn_of_first(int dimension, const std::vector<std::string>& changes, const IoContext& context) {
+  if (changes.empty()) return;
+  std::string text = "elements of dimension " + std::to_string(dimension) + " " + changes.front();
+  if (changes.size() > 1) text += "; likewise those with " + std::to_string(changes.size() - 1) + " more tags";
+  context.warn(text);
+}
+
 /// The groups of the entities of one dimension: those with the tag of an entity, or one of the number of the tag. A tag
 /// that came as the number of an entity is no group.
 class GroupsOfTags {
@@ -124,13 +132,14 @@ class GroupsOfTags {
     for (const int tag : loose) {
       if (free_numbers.take(tag)) tag2groups_[tag] = {tag};
     }
+    std::vector<std::string> changes;
     for (const int tag : loose) {
       if (tag2groups_.contains(tag)) continue;
       tag2groups_[tag] = {free_numbers.take_lowest()};
-      context.warn("elements of dimension " + std::to_string(dimension) + " with the tag " + std::to_string(tag) +
-                   ", which is in no group, get the tag " + std::to_string(tag2groups_[tag][0]) +
-                   ": a group has the number " + std::to_string(tag));
+      changes.push_back("with the tag " + std::to_string(tag) + ", which is in no group, get the tag " +
+                        std::to_string(tag2groups_[tag][0]) + ": a group has the number " + std::to_string(tag));
     }
+    warn_of_first(dimension, changes, context);
   }
 
   std::vector<int> of(int tag) const {
@@ -214,6 +223,7 @@ class MshEntityLayout {
     for (const int number : linked_) tags.emplace(number, 0);
     const GroupsOfTags groups(mesh_, dimension, tags, context_);
     std::map<int, Index> positions;
+    std::vector<std::string> in_no_group;
     const std::size_t first = layout_.entities.size();
     for (const auto& [number, tag] : tags) {
       positions[number] = to_index(layout_.entities.size());
@@ -221,12 +231,12 @@ class MshEntityLayout {
       entity.has_elements = !linked_.contains(number);
       if (entity.has_elements) entity.groups = groups.of(tag);
       if (entity.groups.empty() && tag < 0 && !mesh_.cell_tags_name.starts_with("gmsh")) {
-        context_.warn("Gmsh's groups have positive numbers: elements of dimension " + std::to_string(dimension) +
-                      " with the tag " + std::to_string(tag) + " are entity " + std::to_string(number) +
-                      ", in no group");
+        in_no_group.push_back("with the tag " + std::to_string(tag) + " are entity " + std::to_string(number) +
+                              ", in no group: Gmsh's groups have positive numbers");
       }
       layout_.entities.push_back(std::move(entity));
     }
+    warn_of_first(dimension, in_no_group, context_);
     if (!tags.empty()) warn_of_merged_msh_tags(mesh_, std::span(layout_.entities).subspan(first), context_);
     return positions;
   }

@@ -65,6 +65,7 @@ struct MshModel {
   std::vector<PeriodicLink> periodic;
   std::vector<MshView> views;
   MiddleList middles;
+  bool has_ghosts = false;  ///< elements of version 2.2 are ghosts in further partitions
 };
 
 /// Gives names without a dimension those of the elements in groups of their number.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gmsh's .msh files, versions 2.2 and 4.1, text and binary.
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
 #include "backend/span.hpp"
 #include "io/msh/msh_sections.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -22,6 +22,7 @@ class MshReader {
         source_.fail("expected a section, found \"" + printable(word.substr(0, 40)) +
                      "\"; the section before it is longer than it says");
       }
+      check_order(word.substr(1));
       text.line();
       read_section(word.substr(1));
       source_.expect_end(word.substr(1));
@@ -33,6 +34,7 @@ class MshReader {
     if (std::any_of(model_.cells.begin(), model_.cells.end(), is_dropped)) {
       context_.warn("interfaces between partitions are not kept");
     }
+    if (model_.has_ghosts) context_.warn("ghost elements of partitions are not kept");
     if (source_.is_old()) {
       find_dimensions_of_names(model_);
       join_repeated_elements(model_);
@@ -41,24 +43,30 @@ class MshReader {
   }
 
  private:
+  /// Refuses a section that occurs twice, or before those that it refers to.
+  void check_order(std::string_view name) {
+    const bool has_numbers = name == "Periodic" || name == "NodeData" || name == "ElementData";
+    if ((name == "Nodes" || name == "ParametricNodes") && std::exchange(has_nodes_, true)) {
+      source_.fail("the section $Nodes occurs twice");
+    }
+    if (name == "Elements" && !has_nodes_) source_.fail("the section $Elements comes before $Nodes");
+    if (name == "Elements" && std::exchange(has_elements_, true)) source_.fail("the section $Elements occurs twice");
+    if (has_numbers && !has_elements_) source_.fail("the section $" + std::string(name) + " comes before $Elements");
+  }
+
   void read_section(std::string_view name) {
+    const bool is_partitioned = name == "PartitionedEntities";
+    const bool is_parametric = name == "ParametricNodes";
     const bool on_nodes = name == "NodeData";
     if (name == "PhysicalNames") return read_msh_names(source_, model_);
     if (name == "Comments") return read_msh_comments(source_, model_);
-    if (!source_.is_old() && (name == "Entities" || name == "PartitionedEntities")) {
-      return element_reader_.read_entities(name != "Entities");
+    if (!source_.is_old() && (name == "Entities" || is_partitioned)) {
+      return element_reader_.read_entities(is_partitioned);
     }
-    if (name == "Nodes" || name == "ParametricNodes") return read_nodes(name != "Nodes");
-    if (name == "Elements") {
-      if (!has_nodes_) source_.fail("the section $Elements comes before $Nodes");
-      if (std::exchange(has_elements_, true)) source_.fail("the section $Elements occurs twice");
-      return element_reader_.read_elements();
-    }
-    if (name == "Periodic" || on_nodes || name == "ElementData") {
-      if (!has_elements_) source_.fail("the section comes before $Elements");
-      if (name == "Periodic") return read_msh_periodic(source_, model_, context_);
-      return read_msh_view(source_, on_nodes, model_, context_);
-    }
+    if (name == "Nodes" || is_parametric) return read_nodes(is_parametric);
+    if (name == "Elements") return element_reader_.read_elements();
+    if (name == "Periodic") return read_msh_periodic(source_, model_, context_);
+    if (on_nodes || name == "ElementData") return read_msh_view(source_, on_nodes, model_, context_);
     context_.warn("the section $" + printable(name.substr(0, 60)) + " is not kept");
     source_.skip_section(name);
   }
@@ -66,7 +74,6 @@ class MshReader {
   // Nodes.
 
   void read_nodes(bool parametric) {
-    if (std::exchange(has_nodes_, true)) source_.fail("the section $Nodes occurs twice");
     std::vector<std::int64_t> numbers;
     if (source_.is_old()) {
       read_old_nodes(parametric, numbers);
@@ -195,10 +202,8 @@ TetMesh read_msh(const std::string& path, const IoContext& context) {
   if (!is_old && header.version != 4.1) {
     const bool known = header.version == 1 || header.version == 3 || header.version == 4;
     if (known && has_plugin(kGmshPlugin)) return read_by_plugin(kGmshPlugin, path, context);  // written as version 4.1
-    std::ostringstream version;
-    version << header.version;
     source.fail(std::string("this is version ")
-                    .append(version.str())
+                    .append(number_text(header.version))
                     .append("; tetune reads 2.2 and 4.1 (gmsh FILE -save -format msh41 -o NEW.msh)"));
   }
   source.set_old(is_old);

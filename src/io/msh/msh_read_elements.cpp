@@ -100,6 +100,8 @@ Index MshElementReader::read_old_cell(int dimension, int tags) {
     if (i == 1) entity = tag;
     if (i == 2) partitions = tag;
     if (i == 3 && partitions > 0) partition = std::abs(tag);
+    // Negative ones are those for which the element is a ghost.
+    if (i > 3 && i - 3 < partitions && tag < 0) model_.has_ghosts = true;
   }
   return cell_of({dimension, entity, group, partition});
 }
@@ -143,11 +145,17 @@ const MshType& MshElementReader::type_of(int number, std::int64_t element) {
                "quadrilaterals, pyramids, prisms and hexahedra of first or second order");
 }
 
+/// Makes room for the elements of a block. The room at least doubles, so that the elements of many small blocks are not
+/// copied for each of them.
 void MshElementReader::reserve(const MshType& type, std::size_t n) {
+  const auto grow = [](auto& items, std::size_t more) {
+    const std::size_t size = items.size() + more;
+    if (size > items.capacity()) items.reserve(std::max(size, 2 * items.capacity()));
+  };
   MshElements& list = model_.elements[type.list];
-  list.corners.reserve(list.corners.size() + n * to_size_t(type.corners));
-  list.cell.reserve(list.cell.size() + n);
-  list.number.reserve(list.number.size() + n);
+  grow(list.corners, n * to_size_t(type.corners));
+  grow(list.cell, n);
+  grow(list.number, n);
 }
 
 template <class ReadNode>

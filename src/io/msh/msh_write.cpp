@@ -54,15 +54,21 @@ class MshWriter {
     sink_.end("MeshFormat");
   }
 
+  /// A name between quotation marks, with a warning where it has characters that cannot be there.
+  std::string quoted(const std::string& name) const {
+    std::string written = msh_quoted(name);
+    if (name.find_first_of("\"\n\r") != std::string::npos) {
+      context_.warn("names are written without quotation marks and ends of lines: " + written);
+    }
+    return written;
+  }
+
   void write_names() {
     if (layout_.names.empty()) return;
     sink_.begin("PhysicalNames");
     sink_.text(std::to_string(layout_.names.size()) + "\n");
     for (const Group& group : layout_.names) {
-      if (group.name.find_first_of("\"\n\r") != std::string::npos) {
-        context_.warn("names are written without quotation marks and ends of lines: " + msh_quoted(group.name));
-      }
-      sink_.text(std::to_string(group.dimension) + " " + std::to_string(group.number) + " " + msh_quoted(group.name) +
+      sink_.text(std::to_string(group.dimension) + " " + std::to_string(group.number) + " " + quoted(group.name) +
                  "\n");
     }
     sink_.text("$EndPhysicalNames\n");
@@ -227,7 +233,8 @@ class MshWriter {
     }
     const std::size_t total = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
     if (excess_of(std::int64_t(total), kMaxEntries) != "")
-      throw FileError("version 2.2 cannot hold that many elements");
+      throw FileError("version 2.2 of .msh files cannot hold " + std::to_string(total) +
+                      " elements; write another format");
     sink_.begin("Elements");
     sink_.text(std::to_string(total) + "\n");
     int repeated = to_index(layout_.kinds.back().first_number + std::ssize(*layout_.kinds.back().tags));
@@ -340,7 +347,7 @@ class MshWriter {
       return;
     }
     sink_.begin(section);
-    sink_.text("1\n" + msh_quoted(view.name) + "\n1\n0\n3\n0\n" + std::to_string(view.components) + "\n" +
+    sink_.text("1\n" + quoted(view.name) + "\n1\n0\n3\n0\n" + std::to_string(view.components) + "\n" +
                std::to_string(view.numbers.size()) + "\n");
     const auto each = to_size_t(view.components);
     for (std::size_t i = 0; i < view.numbers.size(); ++i) {

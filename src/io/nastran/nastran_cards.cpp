@@ -38,11 +38,6 @@ std::string without_tabs(std::string_view line) {
   return text;
 }
 
-bool is_regular(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path_of(path), ignored);
-}
-
 /// The part of a marker that both of its lines have: all but the first character.
 std::string_view marker_name(std::string_view marker) { return marker.substr(std::min<std::size_t>(1, marker.size())); }
 
@@ -64,7 +59,6 @@ void NastranCards::read_file(const std::string& path) {
     throw FileError(path + ":1: this is a binary file; Nastran's bulk data are text");
   }
   Source source{file.bytes(), {std::int32_t(files_.size()), 0}};
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (source.rest.starts_with(kByteOrderMark)) source.rest.remove_prefix(kByteOrderMark.size());
   files_.push_back(path);
   stack_.push_back(path);
@@ -219,7 +213,7 @@ void NastranCards::include(Source& source, std::string_view line) {
     fail(where, "there are too many included files");
   }
   const std::string path = included_path(name, stack_.back());
-  if (!is_regular(path)) fail(where, "the included file " + path + " does not exist");
+  if (!is_file(path)) fail(where, "the included file " + path + " does not exist");
   if (std::find(stack_.begin(), stack_.end(), path) != stack_.end()) fail(where, path + " includes itself");
   read_file(path);
   here_ = where;
@@ -235,7 +229,7 @@ std::string NastranCards::included_path(const std::string& name, const std::stri
   for (const std::string& written : {name, with_slashes}) {
     for (const std::string& of : {file, path_}) {
       const std::string path = in_folder_of(of, written);
-      if (is_regular(path)) return path;
+      if (is_file(path)) return path;
     }
   }
   return in_folder_of(file, name);

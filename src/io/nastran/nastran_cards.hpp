@@ -13,7 +13,8 @@ namespace tetune {
 
 /// A line of one of the files that were read.
 struct NastranPlace {
-  std::int32_t file = 0, line = 0;
+  std::int32_t file = 0;
+  std::uint32_t line = 0;
 };
 
 /// A card of bulk data with the fields after its name, those of all its lines. The views are valid while it is taken.

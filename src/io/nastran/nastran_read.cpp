@@ -64,6 +64,8 @@ class NastranReader {
     if (node_numbers_.empty()) {
       cards_.fail(cards_.end(), "the file ends without a GRID card: it is not a mesh in Nastran's bulk data");
     }
+    check_count(node_numbers_.size());
+    check_count(elements_.size());
     check_default_system();
     index_nodes();
     check_element_numbers();
@@ -79,6 +81,12 @@ class NastranReader {
 
  private:
   void warn(const std::string& text) const { context_.warn(path_ + ": " + text); }
+
+  void check_count(std::size_t n) const {
+    if (const std::string excess = excess_of(std::int64_t(n), kMaxEntries); !excess.empty()) {
+      cards_.fail(cards_.end(), "the file has " + excess);
+    }
+  }
 
   void take(const NastranCard& card) {
     if (card.name == "GRID") return read_grid(card);

@@ -186,6 +186,7 @@ void write_nastran(FileWriter& file, const TetMesh& mesh, const IoContext& conte
   warn_of_losses_in_nastran(mesh, context);
   // Rods have no mid-side nodes.
   write_with_middles(mesh, MiddlesOf::all_but_edges, [&](const TetMesh& m, const Middles* middles) {
+    if (const std::string text = lost_curved_edges(m, middles); !text.empty()) context.warn(text);
     NastranWriter(file, m, middles, context).write();
   });
 }

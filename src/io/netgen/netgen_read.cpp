@@ -9,6 +9,7 @@
 #include "io/element_collector.hpp"
 #include "io/gzip.hpp"
 #include "io/netgen/netgen_format.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/text_cursor.hpp"
 #include "mesh/tet.hpp"
@@ -102,12 +103,17 @@ class NetgenReader {
                                                   "endmesh",
                                                   "singular_edge_right",
                                                   "face_transparencies"};
-    if (!TextCursor::is_letter(name[0])) cursor_.fail("expected the name of a section, found \"" + name + "\"");
-    if (!unused.contains(name)) skipped_.insert("the section " + name);
+    if (!TextCursor::is_letter(name[0])) {
+      cursor_.fail("expected the name of a section, found \"" + printable(name.substr(0, 40)) +
+                   "\"; the section before it is longer than it says");
+    }
+    if (!unused.contains(name)) skipped_.insert("the section " + printable(name.substr(0, 60)));
     cursor_.line();
     while (!cursor_.at_end() && !known.contains(cursor_.peek())) cursor_.line();
   }
 
+  /// Throws FileError where entities of different sections do not fit, for which there is no line.
+  [[noreturn]] void fail(const std::string& text) const { throw FileError(path_ + ": " + text); }
   std::size_t count(const char* name, int numbers) { return checked_count(cursor_, name, numbers, kMaxTets); }
   int integer(const char* name) {
     const std::int64_t value = cursor_.integer(name);
@@ -275,7 +281,10 @@ class NetgenReader {
   void finish() {
     if (has_descriptors_ && !descriptors_.empty()) {
       for (int& tag : mesh_.edge_tags) {
-        if (tag < 1 || to_size_t(tag) > descriptors_.size()) cursor_.fail("an edge has no description");
+        if (tag < 1 || to_size_t(tag) > descriptors_.size()) {
+          fail("an edge has no description among the " + std::to_string(descriptors_.size()) +
+               " of the section \"edgedescriptors\"");
+        }
         tag = span_of(descriptors_)[tag - 1];
       }
     }
@@ -294,8 +303,8 @@ class NetgenReader {
     }
     const auto check = [this](const char* what, Index v) {
       if (to_size_t(v) < mesh_.points.size()) return;
-      cursor_.fail(std::string(what) + " " + std::to_string(v + 1) + ", and the file has " +
-                   std::to_string(mesh_.points.size()) + " points");
+      fail(std::string(what) + " " + std::to_string(v + 1) + ", and the file has " +
+           std::to_string(mesh_.points.size()) + " points");
     };
     MiddleList& middles = collector_.middles();
     middles.complete[1] = mesh_.edges.size();  // edges have no mid-side nodes, and get none on writing
@@ -306,7 +315,7 @@ class NetgenReader {
     try {
       for (const std::string& text : erase_middles(middles, mesh_)) context_.warn(path_ + ": " + text);
     } catch (const FileError& e) {
-      cursor_.fail(e.what());
+      fail(e.what());
     }
   }
   /// The tag of a triangle whose vertices are all images (side 0), or images of others (side 1).

@@ -10,13 +10,18 @@
 #include "io/line_writer.hpp"
 #include "io/losses.hpp"
 #include "io/netgen/netgen_format.hpp"
+#include "io/plain_text.hpp"
 #include "io/registry.hpp"
 #include "io/second_order.hpp"
 #include "mesh/listed_faces.hpp"
+#include "mesh/whole_number.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
 namespace {
+
+/// The name of a group as the rest of a line has it, without the blanks around it.
+std::string name_in_netgen(const Group& group) { return without_control_characters(trimmed(group.name)); }
 
 /// The numbers of the tags of one dimension: from 1, as each up to the largest has a line with its name.
 class NetgenNumbers {
@@ -43,7 +48,7 @@ class NetgenNumbers {
     for (const auto& [tag, number] : numbers_)
       names_.resize(std::max(names_.size(), to_size_t(number)), kNetgenUnnamed);
     for (const Group* const group : specific_first(mesh, dimension)) {
-      if (!group->name.empty()) add_name(*group);
+      if (!name_in_netgen(*group).empty()) add_name(*group);
     }
   }
   int of(int tag) const { return numbers_.at(tag); }
@@ -64,7 +69,7 @@ class NetgenNumbers {
       if (name != kNetgenUnnamed)
         is_shared_ = true;
       else
-        name = group.name;
+        name = name_in_netgen(group);
     }
   }
   std::map<int, int> numbers_;
@@ -203,6 +208,20 @@ class NetgenWriter {
     for (std::size_t k = 0; k < count; ++k) entry.integer(nodes[k] + 1);
   }
 
+  /// The numbers of faces of the geometry per triangle, 0 for none; empty without data. Some formats make them doubles.
+  std::vector<int> surface_numbers() const {
+    std::vector<int> numbers;
+    for (const DataArray& array : mesh_.triangle_data) {
+      if (array.name != kNetgenSurface || array.components != 1) continue;
+      numbers.clear();
+      const auto add = [&numbers](const auto& values) {
+        for (const auto value : values) numbers.push_back(whole_number(double(value)).value_or(0));
+      };
+      std::visit(add, array.values);
+    }
+    return numbers;
+  }
+
   void write_surface() {
     std::vector<std::array<Index, 4>> faces;
     for (const auto& [a, b, c] : mesh_.triangles) faces.push_back({a, b, c, -1});
@@ -213,10 +232,7 @@ class NetgenWriter {
       faces.push_back({v[0], v[1], v[2], v[3]});
     }
     const NetgenSides sides(mesh_, faces, regions_);
-    const std::vector<std::int32_t>* surfaces = nullptr;
-    for (const DataArray& array : mesh_.triangle_data) {
-      if (array.name == kNetgenSurface) surfaces = std::get_if<std::vector<std::int32_t>>(&array.values);
-    }
+    const std::vector<int> surfaces = surface_numbers();
     section("surfaceelements", faces.size());
     const auto head = [&](auto& entry, std::size_t face, int surface, int number) {
       entry.integer(surface);
@@ -225,7 +241,7 @@ class NetgenWriter {
     };
     out_.lines(mesh_.triangles.size(), [&](auto& entry, std::size_t i) {
       const int number = patches_.of(mesh_.triangle_tags[i]);
-      head(entry, i, surfaces != nullptr && (*surfaces)[i] > 0 ? (*surfaces)[i] : number, number);
+      head(entry, i, !surfaces.empty() && surfaces[i] > 0 ? surfaces[i] : number, number);
       put(entry, mesh_.triangles[i], kNetgenTriangle, kTriangleEdges);
     });
     out_.lines(quad_count, [&](auto& entry, std::size_t i) {
@@ -323,7 +339,10 @@ void warn_of_netgen_losses(const TetMesh& mesh, const IoContext& context) {
   warn_of_lists(mesh, context);
   warn_of_data(mesh, context, kNetgenSurface);
   warn_of_empty_groups(mesh, context);
-  const auto is_default = [](const Group& group) { return group.name == kNetgenUnnamed; };
+  RenamedGroups renamed;
+  for (const Group& group : mesh.groups) renamed.add(group.name, name_in_netgen(group));
+  renamed.warn(context);
+  const auto is_default = [](const Group& group) { return name_in_netgen(group) == kNetgenUnnamed; };
   if (std::any_of(mesh.groups.begin(), mesh.groups.end(), is_default)) {
     context.warn(std::string("the group \"") + kNetgenUnnamed +
                  "\" loses its name, which stands for elements without one in the format");
@@ -343,8 +362,10 @@ void write_mesh_to(LineWriter out, const TetMesh& mesh, const IoContext& context
   refuse_second_order_others(mesh);
   warn_of_netgen_losses(mesh, context);
   // The edges of the format have no mid-side nodes.
-  write_with_middles(mesh, MiddlesOf::all_but_edges,
-                     [&](const TetMesh& m, const Middles* middles) { NetgenWriter(out, m, middles).write(context); });
+  write_with_middles(mesh, MiddlesOf::all_but_edges, [&](const TetMesh& m, const Middles* middles) {
+    if (const std::string text = lost_curved_edges(m, middles); !text.empty()) context.warn(text);
+    NetgenWriter(out, m, middles).write(context);
+  });
 }
 
 }  // namespace

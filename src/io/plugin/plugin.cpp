@@ -99,10 +99,15 @@ void read_answer(const MemoryFile& channel, const Plugin& plugin, const std::str
   }
   std::string error;
   std::vector<std::string> warnings;
-  answer(error, warnings);
+  try {
+    answer(error, warnings);
+    if (error.empty() && read) read(answer);
+  } catch (const FileError& e) {
+    throw FileError(path + ": the answer of tetune's plugin for " + plugin.library + ": " + e.what() +
+                    "; install tetune again");
+  }
   if (!error.empty()) throw FileError(path + ": " + error);
   for (const std::string& warning : warnings) context.warn(path + ": " + warning);
-  if (read) read(answer);
 }
 
 /// A run of a plugin's program on a file.

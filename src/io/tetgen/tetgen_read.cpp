@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // TetGen's .node, .ele, .face and .edge files (TetGen manual, Sect. 5.2).
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "io/text_cursor.hpp"
 #include "mesh/whole_number.hpp"
 #include "system/path.hpp"
+#include "system/real_text.hpp"
 #include "tetune/error.hpp"
 
 namespace tetune {
@@ -21,9 +21,7 @@ int read_tag(TextCursor& cursor, const char* name) {
   const double value = cursor.real(name);
   const std::optional<int> tag = whole_number(value);
   if (tag) return *tag;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  cursor.fail(std::string(name) + " " + text + " is not an integer of 32 bits, as tags are");
+  cursor.fail(std::string(name) + " " + number_text(value) + " is not an integer of 32 bits, as tags are");
 }
 
 void expect_end(TextCursor& cursor) {

@@ -28,6 +28,8 @@ inline std::string_view unv_units(const TetMesh& mesh) {
   const std::string_view dialect = mesh.dialect;
   return dialect.starts_with(kUnvDialect) ? dialect.substr(dialect.find('\n') + 1) : std::string_view();
 }
+/// The integer with which a text starts, after blanks; 0 where there is none, or one beyond 32 bits.
+int leading_unv_integer(std::string_view text);
 /// The unit of length of the universal file that the mesh was read from; empty if it is the meter, or not known.
 std::string unv_length_unit(const TetMesh& mesh);
 

@@ -2,13 +2,13 @@
 #include "io/unv/unv_groups.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 
 #include "backend/span.hpp"
 #include "io/losses.hpp"
 #include "io/plain_text.hpp"
 #include "io/tag_numbers.hpp"
+#include "io/unv/unv_format.hpp"
 #include "io/unv/unv_tags.hpp"
 #include "mesh/node_sets.hpp"
 
@@ -23,6 +23,7 @@ class UnvGroupWriter {
   std::vector<UnvWrittenGroup> groups() {
     add_groups();
     add_node_sets();
+    renamed_.warn(context_);
     const std::size_t named = list_.size();
     add_groups_of_tags();
     number(named);
@@ -69,7 +70,7 @@ class UnvGroupWriter {
       if (std::find(in_set.begin(), in_set.end(), std::uint8_t{1}) == in_set.end()) continue;
       const std::string text = array.name.substr(kNodeSet.size());
       const std::size_t colon = text.find(':');
-      const int number = std::atoi(text.c_str());
+      const int number = leading_unv_integer(text);
       UnvWrittenGroup* added = &group_of(number, colon == std::string::npos ? "" : text.substr(colon + 1));
       if (added->in_set != nullptr) added = &list_.emplace_back(UnvWrittenGroup{number, added->name, {}, nullptr});
       added->in_set = &in_set;
@@ -94,7 +95,7 @@ class UnvGroupWriter {
     std::string written = without_control_characters(trimmed(name));
     const auto [at, is_new] = positions_.try_emplace({number, written}, list_.size());
     if (!is_new) return list_[at->second];
-    if (written != name) context_.warn("the group \"" + printable(name) + "\" is written as " + written);
+    renamed_.add(name, written);
     return list_.emplace_back(UnvWrittenGroup{number, std::move(written), {}, nullptr});
   }
 
@@ -111,13 +112,14 @@ class UnvGroupWriter {
     for (UnvWrittenGroup* const group : rest) group->number = numbers.take_lowest();
     if (changed == 0) return;
     context_.warn(std::to_string(changed) + " groups get other numbers: those of all dimensions and of sets of nodes " +
-                  "differ in this format");
+                  "differ in this format, and are at most 2147483647");
   }
 
   const TetMesh& mesh_;
   const std::array<std::map<int, int>, 4>& properties_;
   const IoContext& context_;
   std::vector<UnvWrittenGroup> list_;
+  RenamedGroups renamed_;
   std::map<std::pair<int, std::string>, std::size_t> positions_;  ///< in list_, by number and name
   std::set<std::pair<int, int>> grouped_;                         ///< dimensions and tags
   /// The numbers of the groups of the mesh that add_groups_of_tags() adds, by dimension and tag.

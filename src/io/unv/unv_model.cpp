@@ -112,7 +112,7 @@ class UnvParser {
   /// Refuses or warns of coordinate systems other than the global Cartesian one, which 0 and 1 are where the file does
   /// not define them.
   void check_systems() const {
-    std::string systems;
+    std::set<std::int64_t> systems;
     std::size_t nodes = 0;
     for (const Uses* uses : {&uses_of_part_, &uses_of_definition_}) {
       for (const auto& [system, use] : *uses) {
@@ -125,12 +125,13 @@ class UnvParser {
                                        "coordinates of all nodes in it");
         }
         nodes += use.nodes;
-        if (systems.find(' ' + number + ',') == std::string::npos) systems += ' ' + number + ',';
+        systems.insert(system);
       }
     }
     if (nodes == 0) return;
-    systems.pop_back();
-    warnings_.push_back(std::to_string(nodes) + " nodes name coordinate systems (" + systems.substr(1) +
+    std::vector<std::string> numbers;
+    for (const std::int64_t system : systems) numbers.push_back(std::to_string(system));
+    warnings_.push_back(std::to_string(nodes) + " nodes name coordinate systems (" + listed_texts(numbers) +
                         ") that are not the global Cartesian one by the data sets 2420: their coordinates are taken " +
                         "as those of the part, as they are");
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -54,6 +55,10 @@ class UnvReader {
     for (const std::string& text : warnings) warn(text);
     if (model_.points.empty()) {
       lines_.fail_at(lines_.line(), "the file ends without nodes (data set 2411): it is not a mesh");
+    }
+    for (const std::size_t n : {model_.points.size(), model_.elements.size()}) {
+      const std::string excess = excess_of(std::int64_t(n), kMaxEntries);
+      if (!excess.empty()) lines_.fail_at(lines_.line(), "the file has " + excess);
     }
     index_nodes();
     index_elements();
@@ -185,10 +190,7 @@ class UnvReader {
 
   void add_node_sets() {
     std::int64_t free = 1;
-    const auto has_name = [this](const std::string& name) {
-      return std::any_of(mesh_.point_data.begin(), mesh_.point_data.end(),
-                         [&](const DataArray& array) { return array.name == name; });
-    };
+    std::set<std::string> names;
     for (const UnvGroup& group : model_.groups) {
       std::vector<std::uint8_t> in_set(group.nodes.empty() ? 0 : mesh_.points.size(), 0);
       bool is_empty = true;
@@ -206,7 +208,7 @@ class UnvReader {
         return std::string(kNodeSet) + std::to_string(number) + (group.name.empty() ? "" : ":" + group.name);
       };
       std::string unique = name(group.number);
-      while (has_name(unique)) unique = name(free++);
+      while (!names.insert(unique).second) unique = name(free++);
       mesh_.point_data.push_back({unique, 1, std::move(in_set)});
     }
   }
@@ -220,7 +222,9 @@ class UnvReader {
     keep_numbers(model_.node_numbers, collector_.middles(), mesh_, for_each_vertex,
                  [this](const UnvElement& element, const std::string& text) { lines_.fail_at(element.line, text); });
     // TetMesh::deck_nodes has 0 for inserted vertices, so that it cannot hold a node of this number.
-    if (nodes_.rank(0) >= 0) mesh_.deck_nodes.clear();
+    if (nodes_.rank(0) < 0) return;
+    mesh_.deck_nodes.clear();
+    warn("a node has the number 0: the nodes are numbered from 1");
   }
 
   void warn_of_contents() const {
@@ -235,13 +239,13 @@ class UnvReader {
            std::to_string(lines_.line()));
     }
     if (!model_.ignored_elements.empty()) {
-      std::string list;
+      std::vector<std::string> descriptors;
       std::size_t n = 0;
       for (const auto& [descriptor, count] : model_.ignored_elements) {
-        list.append(list.empty() ? "" : ", ").append(std::to_string(descriptor));
+        descriptors.push_back(std::to_string(descriptor));
         n += count;
       }
-      warn(std::to_string(n) + " elements with the FE descriptors " + list + " are not kept");
+      warn(std::to_string(n) + " elements with the FE descriptors " + listed_texts(descriptors) + " are not kept");
     }
     if (model_.beams_with_sections > 0) {
       warn("the orientations and cross sections of " + std::to_string(model_.beams_with_sections) +

@@ -118,9 +118,9 @@ std::vector<Group> unv_groups(const std::map<UnvClass, int>& class2tag, const st
   }
   const std::vector<std::uint8_t> is_displaced = find_displaced(groups, own);
   std::array<std::set<int>, 4> in_use;
-  const auto number = [&](Group& group, std::int64_t wanted) {
-    if (group.number != 0 || !is_tag(wanted)) return;
-    if (in_use[to_size_t(group.dimension)].insert(int(wanted)).second) group.number = int(wanted);
+  const auto number = [&](Group& group, std::int64_t sought) {
+    if (group.number != 0 || !is_tag(sought)) return;
+    if (in_use[to_size_t(group.dimension)].insert(int(sought)).second) group.number = int(sought);
   };
   for (std::size_t i = 0; i < groups.size(); ++i) number(groups[i], is_displaced[i] != 0 ? 0 : own[i]);
   for (std::size_t i = 0; i < groups.size(); ++i) number(groups[i], is_displaced[i] != 0 ? groups[i].tags[0] : 0);
