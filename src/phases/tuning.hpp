@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "backend/span.hpp"
 #include "tetune/options.hpp"
 
 /// The tuning constants of all phases, one set per effort. Energies without another unit are shape energies of one
@@ -330,7 +331,7 @@ inline int largest_angle_rounds(const Options& options) {
 /// number.
 inline Size removable_vertices(Size vertices) {
   constexpr double kMaxRemoved = 0.1;
-  return Size(kMaxRemoved * double(vertices));
+  return Size(std::ceil(kMaxRemoved * double(vertices)));
 }
 
 /// Whether the distance of the surface from the input's is limited.

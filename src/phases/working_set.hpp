@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+#include <vector>
+
 #include "boundary/boundary_triangles.hpp"
 #include "boundary/vertex_dofs.hpp"
 #include "operators/engine/flip_state.hpp"
@@ -27,7 +30,8 @@ struct WorkingSet {
   Size tangled = 0;
   bool is_neighborhood = false;  ///< of a larger mesh
   Size outside = 0;              ///< the number of tetrahedra of that mesh outside it
-  Size removable = 0;            ///< the number of vertices that may be removed beyond those inserted
+  /// The number of vertices that may be removed beyond those inserted; at first more than any mesh has.
+  Size removable = std::numeric_limits<Index>::max();
   /// The power of two by which the caller's coordinates are multiplied: see unit_scale().
   double scale = 1;
   std::vector<VertexConstraint> vertex_constraints;

@@ -29,6 +29,7 @@ def main(folder):
                     put("msh", f"{stem}_{'22' if old else '41'}{'b' if binary else ''}", msh.msh(points, tets, extra, old, binary))
             put("msh", name + "_20", msh.msh_second_order(points))
             put("inp", stem, decks.inp(points, tets, extra))
+            put("inp", name + "_parts", decks.inp_parts(points, tets))
             put("inp", name + "_10", decks.inp_second_order(points, tets))
             put("su2", stem, others.su2(points, tets, extra))
             put("nastran", stem, decks.nastran(points, tets, extra))

@@ -59,9 +59,9 @@ TEST_F(Inp, SetsOfThePartAndOfTheAssemblyMayHaveOneName) {
       deck("*Nset, nset=Set-1, instance=Part-1-1\n 10, 20, 40\n*Nset, nset=All, instance=Part-1-1\n Set-1, 10\n",
            "*Cload\nPart-1-1.Set-1, 1, 1.\n");
   const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
-  // The load acts on the nodes of the part's set, which keep their positions.
+  // The load acts on the nodes of the part's set, which keep their positions; the other sets are a patch.
   EXPECT_EQ(m.required_vertices, (std::vector<Index>{1, 2, 3}));
-  EXPECT_EQ(m.triangles.size(), 2U);
+  EXPECT_EQ(m.triangles, (std::vector<std::array<Index, 3>>{{0, 1, 3}}));
 }
 
 TEST_F(Inp, OtherPartsAreText) {
@@ -87,8 +87,8 @@ TEST_F(Inp, OtherPartsAreText) {
 
 TEST_F(Inp, TheMeshMayBeInTheInstanceOrInAPartWithoutOne) {
   const std::string in_instance = "*Part, name=P\n*End Part\n*Assembly, name=A\n*Instance, name=P-1, part=P\n" +
-                                  kTwoTets + "*End Instance\n*Nset, nset=N, instance=P-1\n20, 30, 40\n*End Assembly\n";
-  const std::string alone = "*Part, name=P\n" + kTwoTets + "*End Part\n*Nset, nset=N\n20, 30, 40\n";
+                                  kTwoTets + "*End Instance\n*Nset, nset=N, instance=P-1\n10, 20, 30\n*End Assembly\n";
+  const std::string alone = "*Part, name=P\n" + kTwoTets + "*End Part\n*Nset, nset=N\n10, 20, 30\n";
   for (const std::string& text : {in_instance, alone}) {
     const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
     EXPECT_EQ(m.tets.size(), 2U);
@@ -116,7 +116,7 @@ TEST_F(Inp, SeveralMeshesInOneDeckAreRefused) {
   const std::string again = "*Instance, name=Part-1-2, part=Part-1\n*End Instance\n";
   const std::string twice = read_error(put("a.inp", deck(again)));
   EXPECT_TRUE(contains(twice, "the part Part-1 has several instances, Part-1-1 and Part-1-2; write")) << twice;
-  EXPECT_TRUE(contains(read_error(put("a.inp", kTwoTets + kPart)), "a.inp:9: nodes precede the parts")) << twice;
+  EXPECT_TRUE(contains(read_error(put("a.inp", kTwoTets + kPart)), "a.inp:10: nodes precede the parts")) << twice;
   EXPECT_TRUE(contains(read_error(put("a.inp", "*Part\n" + kTwoTets)), "a.inp:1: *PART has no NAME"));
 }
 

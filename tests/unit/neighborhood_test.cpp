@@ -231,7 +231,8 @@ Restarted restart(const TetMesh& mesh, Boundary boundary, double max_deviation =
   refresh_energy(backend, whole.mesh, {kShapeObjective}, buffer);
   const Span<const double> energies = buffer.span();
   HostWork work(whole);
-  RestartSearch search(work, {options, {}, find_floor(backend, whole.mesh, energies), 1.5, std::ssize(mesh.tets)});
+  RestartSearch search(
+      work, {options, {}, find_floor(backend, whole.mesh, energies), 1.5, std::ssize(mesh.tets), whole.removable});
   const double weight = tuning_of(Effort::best).angles.obtuse_weight;
   const double cost = search.extremes().cost(weight);
   WorstReport r;

@@ -24,6 +24,21 @@ def inp(points, tets, extra):
     return text.encode()
 
 
+def inp_parts(points, tets):
+    """A deck of two parts, one of them of tetrahedra, with an assembly that refers to sets of both."""
+    def rows(numbered):
+        return "".join(", ".join(map(str, row)) + "\n" for row in numbered)
+
+    mesh = ("*Node\n" + rows((i + 1, *p) for i, p in enumerate(points)) + "*Element, type=C3D4\n"
+            + rows((i + 1, *(v + 1 for v in t)) for i, t in enumerate(tets)) + "*Nset, nset=S\n1, 2, 3\n*Elset, elset=S\n1\n")
+    tool = "*Part, name=T\n*Node\n1, 0., 0., 9.\n2, 1., 0., 9.\n3, 0., 1., 9.\n*Element, type=R3D3\n1, 1, 2, 3\n*End Part\n"
+    assembly = ("*Assembly, name=A\n*Instance, name=P-1, part=P\n0., 0., 1.\n*End Instance\n*Instance, name=T-1, part=T\n*End Instance\n"
+                "*Node\n1, 5., 5., 5.\n*Nset, nset=RP\n1,\n*Nset, nset=S, instance=P-1\n2, 3, 4\n*Elset, elset=_F, internal, instance=P-1\n1\n"
+                "*Surface, type=ELEMENT, name=F\n_F, S1\nP-1.S, S2\n*End Assembly\n")
+    steps = "*Step\n*Boundary\nS, 1, 3\nP-1.S, 1\nP-1.1, 2, 2\nRP, 1\n*Dload\nP-1.1, P3, 2.\n*Cload\n1, 3, 1.\n*End Step\n"
+    return ("*Part, name=P\n" + mesh + "*End Part\n" + tool + assembly + steps).encode()
+
+
 def inp_second_order(points, tets):
     """A deck of tetrahedra of 10 nodes and a hexahedron of 20, with sets, a load on a face and one on a mid-side node."""
     nodes, elements = second_order(points, tets)
