@@ -150,7 +150,10 @@ struct Report : OperationCounts {
   std::vector<std::string> moved_fields;
   /// With Options::only_below, and of optimize_towards(): the reason why the mesh was left as it is; else empty.
   std::string unchanged;
-  /// Of options without effect, see ineffective_options(), the three above, and MoveReport::warnings().
+  /// Of second-order meshes with Options::untangle: that the smallest angle is smaller than in the input, and that
+  /// max_growth leaves no room to split elements whose scaled Jacobian the surface bounds.
+  std::vector<std::string> curved_warnings;
+  /// Of options without effect, see ineffective_options(), those above, and MoveReport::warnings().
   std::vector<std::string> warnings;
   double seconds = 0;  ///< wall-clock time of optimize()
   StopReason stop = StopReason::converged;

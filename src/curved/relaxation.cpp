@@ -2,7 +2,9 @@
 #include "curved/relaxation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <span>
 #include <utility>
@@ -14,6 +16,7 @@
 #include "energy/quality_floor.hpp"
 #include "math/angle.hpp"
 #include "math/elementary.hpp"
+#include "mesh/sorted.hpp"
 #include "mesh/vertex_tets.hpp"
 
 namespace tetune {
@@ -70,6 +73,7 @@ struct PatchQuality {
 /// New positions of the nodes of a patch.
 struct PatchResult {
   bool improved = false;
+  TetList left;  ///< the tetrahedra to relax in another way
   std::vector<std::pair<Index, Point3>> vertices;
   std::vector<CurvedEdge> edges;
 };
@@ -94,6 +98,16 @@ std::array<Vec3, 4> regular_like(const std::array<Vec3, 4>& x) {
 /// The nodes that relaxation moves, of those that are not held.
 enum class MovingNodes { all, mid_side };
 
+/// One way to relax a patch.
+struct Attempt {
+  Ideal ideal;
+  MovingNodes moving;
+};
+constexpr std::array<Attempt, 4> kAttempts{{{Ideal::straight, MovingNodes::all},
+                                            {Ideal::straight, MovingNodes::mid_side},
+                                            {Ideal::regular, MovingNodes::all},
+                                            {Ideal::regular, MovingNodes::mid_side}}};
+
 /// The elements around a group of bad ones.
 class Patch {
  public:
@@ -101,19 +115,19 @@ class Patch {
         const RelaxationGoal& goal, const TetList& tets)
       : mesh_(mesh), edges_(edges), held_(held), vertex2tets_(vertex2tets), goal_(goal), tets_(tets) {}
 
-  /// Tries ideal shapes and unknowns in turn until all elements are valid.
-  PatchResult relax() {
+  /// Relaxes the patch in one way. `listed`: the tetrahedra that need it, ascending, in this patch and in others.
+  PatchResult relax(const Attempt& attempt, const TetList& listed) {
     collect_nodes();
     best_quality_ = judge(nodes_);
+    best_nodes_ = nodes_;
     PatchResult best;
     if (is_enough()) return best;
-    for (const Ideal ideal : {Ideal::straight, Ideal::regular}) {
-      for (const MovingNodes moving : {MovingNodes::all, MovingNodes::mid_side}) {
-        const std::vector<std::size_t> unknowns = find_unknowns(moving);
-        const bool is_done = best.improved && best_quality_.not_valid == 0;
-        if (unknowns.empty() || is_done || (moving == MovingNodes::all && !goal_.moves_vertices)) continue;
-        solve(unknowns, ideal, best);
-      }
+    const std::vector<std::size_t> unknowns = find_unknowns(attempt.moving);
+    if (!unknowns.empty()) solve(unknowns, attempt.ideal, best);
+    if (best_quality_.not_valid > 0) {
+      best.left = not_valid();
+    } else if (!best.improved) {
+      std::set_intersection(tets_.begin(), tets_.end(), listed.begin(), listed.end(), std::back_inserter(best.left));
     }
     return best;
   }
@@ -178,6 +192,16 @@ class Patch {
     TenNodes ten{};
     for (std::size_t k = 0; k < 10; ++k) ten[k] = nodes[element.nodes[k]];
     return ten;
+  }
+
+  /// The tetrahedra that are not valid with the best positions.
+  TetList not_valid() const {
+    TetList tets;
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+      if (measure_nodes(nodes_of(elements_[i], best_nodes_)).validity != CurvedValidity::valid)
+        tets.push_back(tets_[i]);
+    }
+    return tets;
   }
 
   PatchQuality judge(const std::vector<Vec3>& nodes) const {
@@ -283,7 +307,8 @@ class Patch {
     const PatchQuality quality = judge(nodes);
     if (!quality.improves(best_quality_) || !keeps_angles(nodes)) return;
     best_quality_ = quality;
-    best = {true, {}, {}};
+    best_nodes_ = nodes;
+    best = {true, {}, {}, {}};
     for (const std::size_t n : unknowns) {
       const Point3 p = to_point(nodes[n]);
       if (node2vertex_[n] >= 0) {
@@ -305,6 +330,7 @@ class Patch {
   std::vector<std::array<Index, 2>> node2edge_;
   std::vector<PatchElement> elements_;
   PatchQuality best_quality_;
+  std::vector<Vec3> best_nodes_;
 };
 
 }  // namespace
@@ -319,21 +345,29 @@ bool HeldNodes::has_edge(Index a, Index b) const {
 }
 
 void relax_curved(TetMesh& mesh, const HeldNodes& held, const std::vector<Index>& tets, const RelaxationGoal& goal) {
-  const CurvedEdges edges(mesh);
   const backend::Cpu cpu(goal.threads);
   const VertexTets vertex2tets(cpu, mesh);
-  const std::vector<TetList> patches = find_patches(mesh, vertex2tets, tets);
-  std::vector<PatchResult> results(patches.size());
-  // Patches have no element in common, so that no node moves in two of them.
-  cpu.for_parts(std::ssize(patches), [&](Size i) {
-    span_of(results)[i] = Patch(mesh, edges, held, vertex2tets, goal, span_of(patches)[i]).relax();
-  });
-  std::vector<CurvedEdge> changed;
-  for (const PatchResult& result : results) {
-    for (const auto& [v, p] : result.vertices) span_of(mesh.points)[v] = p;
-    changed.insert(changed.end(), result.edges.begin(), result.edges.end());
+  TetList left = tets;
+  for (const Attempt& attempt : kAttempts) {
+    if (left.empty()) break;
+    sort_unique(left);
+    if (attempt.moving == MovingNodes::all && !goal.moves_vertices) continue;
+    const CurvedEdges edges(mesh);
+    const std::vector<TetList> patches = find_patches(mesh, vertex2tets, left);
+    std::vector<PatchResult> results(patches.size());
+    // Patches have no element in common, so that no node moves in two of them.
+    cpu.for_parts(std::ssize(patches), [&](Size i) {
+      span_of(results)[i] = Patch(mesh, edges, held, vertex2tets, goal, span_of(patches)[i]).relax(attempt, left);
+    });
+    left.clear();
+    std::vector<CurvedEdge> changed;
+    for (const PatchResult& result : results) {
+      for (const auto& [v, p] : result.vertices) span_of(mesh.points)[v] = p;
+      changed.insert(changed.end(), result.edges.begin(), result.edges.end());
+      left.insert(left.end(), result.left.begin(), result.left.end());
+    }
+    merge_edges(mesh.curved_edges, std::move(changed));
   }
-  merge_edges(mesh.curved_edges, std::move(changed));
 }
 
 }  // namespace tetune

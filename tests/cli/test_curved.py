@@ -80,6 +80,18 @@ class Curved(CliTest):
         self.run_cli("optimize", self.path_of("in.msh"), "-o", self.path_of("out.msh"), "--untangle")
         self.run_cli("info", self.path_of("out.msh"))
 
+    def test_elements_that_the_growth_leaves_unsplit_are_a_warning(self):
+        ball = cube(3, jitter=0)
+        for i, p in enumerate(ball.points):
+            q = [2 * x - 1 for x in p]
+            norm = sum(x * x for x in q) ** 0.5
+            ball.points[i] = tuple(max(map(abs, q)) * x / norm if norm > 0 else x for x in q)
+        straight, curved = self.put("ball.mesh", ball), self.path("ball.msh")
+        self.run_cli("convert", straight, curved, "--order", "2")
+        words = ["optimize", curved, "-o", self.path("out.msh"), "--untangle", "--quiet", "--max-growth"]
+        self.assertRegex(self.run_cli(*words, "1").stderr, r"the surface bounds the scaled Jacobian of \d+ tetrahedra, .*\(--max-growth\)")
+        self.assertNotIn("bounds the scaled Jacobian", self.run_cli(*words, "3").stderr)
+
     def test_a_folded_surface_is_refused_or_straightened(self):
         nodes, points, on_surface = curved_block(n=2, jitter=0)
         row = nodes[0]

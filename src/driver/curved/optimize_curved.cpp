@@ -86,6 +86,8 @@ class CurvedOptimizer {
   static constexpr int kMaxSlidingAttempts = 12;
   static constexpr int kAttemptsPerRing = 4;  ///< later ones lock more around a bad element
   static constexpr int kMaxRounds = 4;        ///< of splits of elements that their held nodes make invalid
+  /// The number of tetrahedra that the split of an edge adds, at least.
+  static constexpr double kTetsPerSplit = 3;
 
   /// With other data than carried ones the result has places in the input, which one run alone gives.
   bool slides_at_once() const { return options_.data != DataTransfer::carry; }
@@ -103,8 +105,21 @@ class CurvedOptimizer {
     report.straightened = std::move(straightened_);
     if (!counts_input_) count_curved_vertices(input_, caller_, report);
     report.targets = report_curved_targets(result, caller_, report.vertex2original);
-    report.warnings.clear();
-    if (caller_.untangle) report.warnings = warn_of_smaller_angle(before, after);
+    if (caller_.untangle) report.curved_warnings = warn_of_smaller_angle(before, after);
+    warn_of_bounded(result, report);
+    report.warnings = report.curved_warnings;
+  }
+
+  /// Warns of elements whose scaled Jacobian the surface bounds, where only the growth limits their splits.
+  void warn_of_bounded(const TetMesh& result, Report& report) const {
+    const bool is_full = double(result.tets.size()) + kTetsPerSplit > max_tets_;
+    if (!may_insert() || !is_full) return;
+    const auto bounded = find_bounded(result, find_held(result, options_of(report)), kSmallBound).size();
+    if (bounded == 0) return;
+    report.curved_warnings.push_back(
+        "the surface bounds the scaled Jacobian of " + std::to_string(bounded) +
+        " tetrahedra, which are not split as the mesh may not grow further; a larger max_growth "
+        "(--max-growth) allows it");
   }
 
   /// The energy of the straight tetrahedra.

@@ -11,9 +11,9 @@
 namespace tetune {
 namespace {
 
-/// The number of warnings that may be added after the run: on fields, of the run and on frozen vertices, and one per
+/// The number of warnings that may be added after the run: on fields, two of the run, on frozen vertices, and one per
 /// block of other elements.
-std::size_t max_further(const TetMesh& mesh) { return 3 + mesh.others.size(); }
+std::size_t max_further(const TetMesh& mesh) { return 4 + mesh.others.size(); }
 
 bool has_moved(const Report& report) {
   const auto moved = [](const auto& step) { return step.moved > 0; };

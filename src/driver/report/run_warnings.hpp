@@ -16,7 +16,7 @@ class RunWarnings {
  public:
   RunWarnings(const TetMesh& mesh, const Options& options);
   /// Sets Report::warnings, and Report::moved_fields where vertices have moved: in steps of the report, or
-  /// `moved_besides`. `of_run`: at most one more warning.
+  /// `moved_besides`. `of_run`: at most two more warnings.
   void add_to(Report& report, std::vector<std::string> of_run = {}, bool moved_besides = false);
 
  private:
