@@ -39,7 +39,7 @@ PYTHON = """# Python
 ## Optimize
 {tetune.optimize tetune.Options tetune.Result tetune.Progress}
 ## Move
-{tetune.move tetune.LiveMesh tetune.MoveResult tetune.MoveReport tetune.MoveStep tetune.conserve_data}
+{tetune.move tetune.LiveMesh tetune.MoveResult tetune.MoveReport tetune.MoveStep tetune.InvertedOthers tetune.conserve_data}
 ## CAD models
 {tetune.Geometry}
 ## Second-order tetrahedra

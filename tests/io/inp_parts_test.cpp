@@ -98,6 +98,13 @@ TEST_F(Inp, TheMeshMayBeInTheInstanceOrInAPartWithoutOne) {
   }
 }
 
+TEST_F(Inp, AnAssemblyWithoutPartsIsAFlatDeck) {
+  const std::string text = "*Assembly, name=A\n" + kTwoTets + "*End Assembly\n*Boundary\n10, 1, 3\n";
+  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  EXPECT_EQ(m.tets.size(), 2U);
+  EXPECT_EQ(m.required_vertices, std::vector<Index>{0});
+}
+
 TEST_F(Inp, APartMayBeIncluded) {
   put("mesh.inp", kTwoTets);
   const std::string text =

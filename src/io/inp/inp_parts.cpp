@@ -68,6 +68,7 @@ const InpPart& find_mesh_part(const std::vector<InpPart>& parts) {
 
 InpParts find_inp_parts(const std::string& deck, std::string_view text) {
   const std::vector<InpPart> parts = list_parts(deck, text);
+  if (parts.empty()) return {};
   const InpPart& mesh = find_mesh_part(parts);
   if (!mesh.of.empty()) return {{}, mesh.name};
   InpParts found{inp_name(mesh.name), {}};

@@ -15,8 +15,8 @@ struct InpParts {
 };
 
 /// Finds the part with tetrahedra, or else the first one with elements. `deck`: the path of the deck, `text` its
-/// contents; included files are read too. Throws FileError where several parts have tetrahedra, or where the part with
-/// the mesh has several instances.
+/// contents; included files are read too. Nothing where there is no part. Throws FileError where several parts have
+/// tetrahedra, or where the part with the mesh has several instances.
 InpParts find_inp_parts(const std::string& deck, std::string_view text);
 
 /// How the names and numbers of a deck refer to its sets, nodes and elements. In a deck of parts, those of the part
@@ -27,7 +27,7 @@ class InpReferences {
   InpReferences() = default;
   explicit InpReferences(const std::string& instance);
 
-  /// What is put before the number of a node or element in the assembly; empty in a deck without parts.
+  /// The text before the number of a node or element in the assembly; empty in a deck without parts.
   const std::string& written_prefix() const { return written_prefix_; }
   /// The key of a set by its name in the assembly or in the part.
   std::string key(std::string_view written, bool in_assembly) const;
