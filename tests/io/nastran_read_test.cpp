@@ -200,13 +200,54 @@ TEST_F(Nastran, IncludedFiles) {
   EXPECT_TRUE(contains(message, path("sub/more nodes.bdf") + ":2: GRID: field 5 should be a coordinate, and is \"x\""));
 }
 
+/// The positions of four nodes whose cards name coordinate systems; rounding errors are removed.
+std::vector<Point3> rounded(std::vector<Point3> points) {
+  for (Point3& p : points) {
+    for (double& x : p) x = std::round(x * 1e9) / 1e9 + 0.0;
+  }
+  return points;
+}
+
+TEST_F(Nastran, NodesInOtherCoordinateSystemsAreMovedToTheBasicOne) {
+  // 1: at (1, 2, 3), z along x and x along y. 2: cylindrical, 3: spherical, both at the origin; 4: in 1, moved by 1.
+  const std::string systems =
+      "CORD2R,1,,1.,2.,3.,2.,2.,3.\n,1.,3.,3.\nCORD2C*,2,0,0.,0.\n*,0.,0.,0.,1.\n*,1.,0.,0.\n"
+      "CORD2S,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,4,1,1.,0.,0.,1.,0.,1.\n,2.,0.,0.\n";
+  const std::string nodes = "GRID,1,1,1.,0.,2.\nGRID,2,2,2.,90.,5.\nGRID,3,3,2.,90.,180.\nGRID,4,4,0.,0.,0.\n";
+  for (const std::string& text : {systems + nodes, nodes + systems}) {
+    const TetMesh m = read(text + kTet + kEnd);
+    EXPECT_EQ(rounded(m.points), (std::vector<Point3>{{3, 3, 3}, {0, 2, 5}, {-2, 0, 0}, {1, 3, 3}}));
+    ASSERT_EQ(warnings_.size(), 1U);
+    EXPECT_TRUE(warned("4 nodes are in other coordinate systems than the basic one, in which they are written"));
+  }
+  // By nodes, two in a card, for all nodes without a system of their own.
+  const TetMesh m = read(
+      "GRID,1,0,1.,1.,1.\nGRID,2,0,1.,1.,2.\nGRID,3,0,2.,1.,1.\nGRID,4,,1.,0.,0.\nGRDSET,,8\n"
+      "CORD1R,7,2,1,3,8,1,2,3\n" +
+      kTet + kEnd);
+  EXPECT_EQ(rounded(m.points), (std::vector<Point3>{{1, 1, 1}, {1, 1, 2}, {2, 1, 1}, {2, 1, 1}}));
+}
+
+TEST_F(Nastran, CoordinateSystemsThatDefineNothingAreRefused) {
+  const std::string node = "GRID,1,7,0.,0.,0.\n";
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {"", "a.bdf:1: the coordinate system 7 is used here, and no card defines it"},
+           {"CORD2R,7,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\n", "a.bdf:2: the coordinate system 7 has three points on a line"},
+           {"CORD2R,7,8,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,8,7,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
+            "a.bdf:2: the coordinate system 7 is defined by itself"},
+           {"CORD1R,7,1,2,3\n", "a.bdf:2: the coordinate system 7 is defined by itself"},
+           {"CORD1R,7,9,2,3\n", "a.bdf:2: a coordinate system has node 9, and no GRID card has this number"},
+           {"CORD1R,7,1\n", "a.bdf:2: CORD1R: field 4 should be the number of a node"},
+           {"CORD2C,7,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,7,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
+            "a.bdf:4: the coordinate system 7 is defined twice"}}) {
+    EXPECT_TRUE(contains(error(node + text + kTet + kEnd), message)) << error(node + text + kTet + kEnd);
+  }
+}
+
 TEST_F(Nastran, ErrorsNameTheLineAndTheRemedy) {
   const std::string mesh = kFourNodes + kTet;
   put("nodes.bdf", kFourNodes);
   for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
-           {"GRID,1,7,0.,0.,0.\n", "a.bdf:1: a node is in the coordinate system 7; only the basic one is read"},
-           {columns("GRID", 8, {"1", "7", "0.", "0.", "0."}), "a.bdf:1: a node is in the coordinate system 7"},
-           {"GRID,9,0,0.,0.,0.\nGRID,1,,0.,0.,0.\nGRDSET,,3\n", "a.bdf:2: a node is in the coordinate system 3"},
            {"GRID,1,x,0.,0.,0.\n", "a.bdf:1: GRID: field 3 should be the number of a coordinate system, and is \"x\""},
            {"GRID,1.,,0.,0.,0.\n", "a.bdf:1: GRID: field 2 should be the number of the node, a positive integer"},
            {"GRID,0,,0.,0.,0.\n", "a.bdf:1: GRID: field 2 should be the number of the node"},

@@ -13,6 +13,7 @@
 #include "io/nastran/nastran_cards.hpp"
 #include "io/nastran/nastran_elements.hpp"
 #include "io/nastran/nastran_fields.hpp"
+#include "io/nastran/nastran_systems.hpp"
 #include "io/node_numbers.hpp"
 #include "io/number_index.hpp"
 #include "io/plain_text.hpp"
@@ -40,8 +41,8 @@ bool names_entities(std::string_view card) {
       "ASET",    "BCONP",  "BLSEG",  "BSET", "BSURF", "CSET", "DAREA",  "DEFORM", "DMIG", "FORCE", "MOMENT", "MPC",
       "OMIT",    "PLOAD",  "PLOTEL", "QBDY", "QHBDY", "QSET", "QVOL",   "RADBC",  "RBAR", "RBE",   "RJOINT", "RROD",
       "RSPLINE", "RSSCON", "SESET",  "SET",  "SLOAD", "SPC",  "SUPORT", "TEMP",   "TIC",  "VIEW"};
-  if (card.ends_with("ADD") || card == "TEMPD" || card == "CREEP" || card.starts_with("CORD2")) return false;
-  // Elements, and coordinate systems by nodes.
+  if (card.ends_with("ADD") || card == "TEMPD" || card == "CREEP") return false;
+  // Elements.
   if (card.starts_with('C')) return true;
   return std::any_of(kStarts.begin(), kStarts.end(),
                      [card](std::string_view start) { return card.starts_with(start); });
@@ -55,9 +56,12 @@ class NastranReader {
         cards_(
             path,
             [](const std::string& name) {
-              return name == "GRID" || name == "GRDSET" || find_nastran_element_kind(name) != nullptr;
+              return name == "GRID" || name == "GRDSET" || find_system_kind(name) ||
+                     find_nastran_element_kind(name) != nullptr;
             },
-            [this](const NastranCard& card) { take(card); }) {}
+            [this](const NastranCard& card) { take(card); }),
+        systems_([this](NastranPlace place, const std::string& text) { cards_.fail(place, text); },
+                 [this](int node, NastranPlace place) { return position_of(node, place); }) {}
 
   TetMesh read() {
     cards_.read();
@@ -66,7 +70,7 @@ class NastranReader {
     }
     check_count(node_numbers_.size());
     check_count(elements_.size());
-    check_default_system();
+    move_to_basic_system();
     index_nodes();
     check_element_numbers();
     for (const NastranElement& element : elements_) add(element);
@@ -94,6 +98,7 @@ class NastranReader {
       default_system_ = system(card, card.field(1)).value_or(0);
       return;
     }
+    if (const auto kind = find_system_kind(card.name)) return read_system(card, *kind);
     read_element(card, *find_nastran_element_kind(card.name));
   }
 
@@ -118,30 +123,70 @@ class NastranReader {
     if (!number || *number < 0) fail_field(card, 1, "the number of a coordinate system");
     return number;
   }
-  [[noreturn]] void refuse_system(NastranPlace place, int number) const {
-    cards_.fail(place, "a node is in the coordinate system " + std::to_string(number) +
-                           "; only the basic one is read. Write the coordinates of all nodes in that");
-  }
 
   void read_grid(const NastranCard& card) {
     node_numbers_.push_back(positive(card, 0, "the number of the node"));
     node_places_.push_back(card.place);
-    const std::optional<int> own_system = system(card, card.field(1));
-    if (own_system.value_or(0) != 0) refuse_system(card.place, *own_system);
-    if (!own_system && !default_place_) default_place_ = card.place;
-    Point3 p{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (card.field(2 + k).empty()) continue;
-      const std::optional<double> x = parse_fortran_real(card.field(2 + k));
-      if (!x || !std::isfinite(*x)) fail_field(card, 2 + k, "a coordinate");
-      p[k] = *x;
-    }
-    mesh_.points.push_back(p);
+    node_systems_.push_back(system(card, card.field(1)).value_or(kDefaultSystem));
+    mesh_.points.push_back(to_point(coordinates(card, 2)));
     note_rest(card, 5);
   }
-  /// GRDSET may follow the nodes that it is for.
-  void check_default_system() const {
-    if (default_system_ != 0 && default_place_) refuse_system(*default_place_, default_system_);
+  /// The coordinates in three fields; 0 where one is blank.
+  Vec3 coordinates(const NastranCard& card, std::size_t first) const {
+    Point3 p{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (card.field(first + k).empty()) continue;
+      const std::optional<double> x = parse_fortran_real(card.field(first + k));
+      if (!x || !std::isfinite(*x)) fail_field(card, first + k, "a coordinate");
+      p[k] = *x;
+    }
+    return vec(p);
+  }
+
+  // Coordinate systems.
+
+  /// The kind of the systems that a card defines.
+  static std::optional<NastranSystem::Kind> find_system_kind(const std::string& name) {
+    using Kind = NastranSystem::Kind;
+    if (name.size() != 6 || !(name.starts_with("CORD1") || name.starts_with("CORD2"))) return {};
+    return name[5] == 'R'   ? std::optional(Kind::rectangular)
+           : name[5] == 'C' ? std::optional(Kind::cylindrical)
+           : name[5] == 'S' ? std::optional(Kind::spherical)
+                            : std::nullopt;
+  }
+  void read_system(const NastranCard& card, NastranSystem::Kind kind) {
+    NastranSystem read{.kind = kind, .place = card.place, .has_nodes = card.name[4] == '1'};
+    if (!read.has_nodes) {
+      read.reference = system(card, card.field(1)).value_or(0);
+      for (std::size_t k = 0; k < 3; ++k) read.points[k] = coordinates(card, 2 + 3 * k);
+      return systems_.add(positive(card, 0, "the number of the coordinate system"), read);
+    }
+    for (std::size_t first = 0; first == 0 || (first == 4 && !card.field(first).empty()); first += 4) {
+      for (std::size_t k = 0; k < 3; ++k) read.nodes[k] = positive(card, first + 1 + k, "the number of a node");
+      systems_.add(positive(card, first, "the number of the coordinate system"), read);
+    }
+  }
+  Vec3 position_of(int node, NastranPlace place) {
+    const auto at = std::find(node_numbers_.begin(), node_numbers_.end(), node);
+    if (at == node_numbers_.end()) {
+      cards_.fail(place, "a coordinate system has node " + std::to_string(node) + ", and no GRID card has this number");
+    }
+    return in_basic(at - node_numbers_.begin());
+  }
+  Vec3 in_basic(std::ptrdiff_t node) {
+    return systems_.in_basic(span_of(node_systems_)[node], vec(span_of(mesh_.points)[node]),
+                             span_of(node_places_)[node]);
+  }
+  /// GRDSET and the coordinate systems may follow the nodes that they are for.
+  void move_to_basic_system() {
+    for (int& system : node_systems_) system = system == kDefaultSystem ? default_system_ : system;
+    const auto others = std::ssize(node_systems_) - std::count(node_systems_.begin(), node_systems_.end(), 0);
+    if (others == 0) return;
+    std::vector<Point3> moved;
+    for (std::ptrdiff_t v = 0; v < std::ssize(mesh_.points); ++v) moved.push_back(to_point(in_basic(v)));
+    mesh_.points = std::move(moved);
+    warn(std::to_string(others) +
+         " nodes are in other coordinate systems than the basic one, in which they are written");
   }
 
   void index_nodes() {
@@ -298,8 +343,10 @@ class NastranReader {
   std::vector<std::int64_t> node_numbers_;
   std::vector<NastranPlace> node_places_;
   NumberIndex nodes_;
+  static constexpr int kDefaultSystem = -1;  ///< that of GRDSET
+  std::vector<int> node_systems_;            ///< per node
   int default_system_ = 0;
-  std::optional<NastranPlace> default_place_;  ///< of the first node in the default coordinate system
+  NastranSystems systems_;
   std::vector<NastranElement> elements_;
   std::vector<int> element_nodes_;                                   ///< 0: none
   std::array<std::size_t, 4> with_property_{}, without_property_{};  ///< numbers of elements, by dimension
