@@ -42,7 +42,7 @@ class Nastran(FormatTest):
             (self.folder / "b.bdf").write_text(node + nodes)
             done = self.run_tetune("info", "b.bdf")
             self.assertEqual(done.returncode, 2)
-            self.assertIn("b.bdf:1: a node is in the coordinate system 7", done.stderr)
+            self.assertIn("b.bdf:1: the coordinate system 7 is used here, and no card defines it", done.stderr)
 
     def test_a_file_that_the_input_includes_is_not_replaced(self):
         self.run_tetune("convert", "cube.mesh", "mesh.bdf")
