@@ -285,7 +285,7 @@ class InpScanner {
       case Mode::condition:
         return read_condition_line();
       case Mode::ignored:
-        note_ignored(inp_fields(cursor_.take_line()));
+        note_ignored(cursor_.take_line());
         return add_piece(InpPiece::Kind::text, start);
       case Mode::text:
         note_inp_data(inp_fields(cursor_.take_line()), kind_, scan_);
@@ -294,8 +294,8 @@ class InpScanner {
   }
 
   /// Sets of the assembly may list sets of the mesh by name.
-  void note_ignored(const std::vector<std::string_view>& fields) {
-    if (!is_in_other_) note_inp_data(fields, {}, scan_);
+  void note_ignored(std::string_view line) {
+    if (!is_in_other_) note_inp_data(inp_fields(line), {}, scan_);
   }
 
   void read_condition_line() {
