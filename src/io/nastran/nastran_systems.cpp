@@ -45,6 +45,8 @@ const NastranSystems::Frame& NastranSystems::frame_of(int number, NastranPlace p
   if (at == systems_.end()) fail_(place, name + " is used here, and no card defines it (CORD1R, CORD2R and so on)");
   const NastranSystem& system = at->second;
   if (!unfinished_.insert(number).second) fail_(system.place, name + " is defined by itself");
+  constexpr std::size_t kMaxDepth = 1000;
+  if (unfinished_.size() > kMaxDepth) fail_(system.place, name + " depends on more than 1000 others");
   std::array<Vec3, 3> points;
   for (std::size_t k = 0; k < 3; ++k) {
     points[k] = system.has_nodes ? position_of_(system.nodes[k], system.place)
