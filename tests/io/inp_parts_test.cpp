@@ -98,6 +98,18 @@ TEST_F(Inp, TheMeshMayBeInTheInstanceOrInAPartWithoutOne) {
   }
 }
 
+TEST_F(Inp, NamesOfInstancesMayBeInQuotationMarks) {
+  const std::string text = "*Part, name=\"my part\"\n" + kTwoTets +
+                           "*End Part\n*Assembly, name=A\n*Instance, name=\"my part-1\", part=\"my part\"\n"
+                           "*End Instance\n*Nset, nset=N, instance=\"my part-1\"\n10, 20, 30\n*End Assembly\n"
+                           "*Boundary\n\"my part-1\".900000000000000050, 1, 3\n";
+  const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+  EXPECT_EQ(m.required_vertices, std::vector<Index>{4});
+  EXPECT_EQ(m.triangles.size(), 1U);
+  write_mesh(path("b.inp"), m, 1);
+  EXPECT_EQ(get("b.inp"), text);
+}
+
 TEST_F(Inp, AnAssemblyWithoutPartsIsAFlatDeck) {
   const std::string text = "*Assembly, name=A\n" + kTwoTets + "*End Assembly\n*Boundary\n10, 1, 3\n";
   const TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);

@@ -36,7 +36,7 @@ std::vector<InpPart> list_parts(const std::string& deck, std::string_view text) 
       const std::string* name = keyword.find("NAME");
       const std::string* of = is_instance ? keyword.find("PART") : nullptr;
       if (name == nullptr || name->empty()) where.fail("*" + keyword.name + " has no NAME");
-      parts.push_back({unquoted_inp_name(*name), of == nullptr ? std::string() : inp_name(*of), where});
+      parts.push_back({*name, of == nullptr ? std::string() : inp_name(*of), where});
       is_inside = true;
     } else if (keyword.name == "ENDPART" || keyword.name == "ENDINSTANCE") {
       is_inside = false;
@@ -87,11 +87,14 @@ InpReferences::InpReferences(const std::string& instance) : instance_(inp_name(i
   if (!instance.empty()) written_prefix_ = instance + ".";
 }
 
+bool InpReferences::is_instance(std::string_view written) const {
+  return !instance_.empty() && inp_name(written) == instance_;
+}
+
 std::string_view InpReferences::without_instance(std::string_view written, bool& has_instance) const {
   const std::size_t quote = written.starts_with('"') ? written.find('"', 1) : 0;
   const std::size_t point = quote == std::string_view::npos ? quote : written.find('.', quote);
-  has_instance =
-      !instance_.empty() && point != std::string_view::npos && inp_name(written.substr(0, point)) == instance_;
+  has_instance = point != std::string_view::npos && is_instance(written.substr(0, point));
   return has_instance ? written.substr(point + 1) : written;
 }
 

@@ -29,6 +29,8 @@ class InpReferences {
 
   /// The text before the number of a node or element in the assembly; empty in a deck without parts.
   const std::string& written_prefix() const { return written_prefix_; }
+  /// Whether a name is that of the instance.
+  bool is_instance(std::string_view written) const;
   /// The key of a set by its name in the assembly or in the part.
   std::string key(std::string_view written, bool in_assembly) const;
   /// Reads the number of a node or element of the mesh; returns false for other fields.

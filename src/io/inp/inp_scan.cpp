@@ -113,10 +113,10 @@ class InpScanner {
         parts_ = find_inp_parts(main_path_, model_.files.front());
         model_.references = InpReferences(parts_->instance);
       }
-      const std::string* of = begins ? keyword.find("NAME") : nullptr;
-      const std::string key = of == nullptr ? std::string() : inp_name(*of);
-      is_in_mesh_ = name == "PART" ? key == parts_->part
-                                   : name == "INSTANCE" && parts_->part.empty() && key == inp_name(parts_->instance);
+      const std::string* own = keyword.find("NAME");
+      is_in_mesh_ = begins && own != nullptr &&
+                    (name == "PART" ? inp_name(*own) == parts_->part
+                                    : parts_->part.empty() && model_.references.is_instance(*own));
       is_in_other_ = begins && !is_in_mesh_;
     } else if (name == "ENDPART" || name == "ENDINSTANCE") {
       is_in_mesh_ = is_in_other_ = false;
@@ -134,7 +134,7 @@ class InpScanner {
     const std::string& name = keyword.name;
     if (name == "NODE" || name == "ELEMENT") return true;
     const std::string* instance = keyword.find("INSTANCE");
-    const bool is_of_mesh = instance != nullptr && inp_name(*instance) == inp_name(parts_->instance);
+    const bool is_of_mesh = instance != nullptr && model_.references.is_instance(*instance);
     return (name == "NSET" || name == "ELSET") && !is_of_mesh;
   }
 

@@ -65,7 +65,9 @@ struct InpScan {
 
   /// The name of a set or surface as the assembly has it.
   std::string full_name(std::string_view written) const {
-    return (in_assembly ? std::string() : model.references.written_prefix()) + unquoted_inp_name(written);
+    std::string prefix = in_assembly ? std::string() : model.references.written_prefix();
+    std::erase(prefix, '"');
+    return prefix + unquoted_inp_name(written);
   }
   std::string key(std::string_view written) const { return model.references.key(written, in_assembly); }
   bool parse_label(std::string_view field, std::int64_t& label) const {
