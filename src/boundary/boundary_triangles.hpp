@@ -40,10 +40,38 @@ static_assert(sizeof(BoundaryTriangle) == 40, "copies between host and device re
 /// (docs/method.md, "Vertices of the surface").
 inline constexpr double kMaxBend = 0.15;
 
-/// The deviation of the triangles that an operation makes: its distance is added to the largest deviation of those that
-/// it replaces. kInfeasible beyond the bound.
-TETUNE_HD inline double bent_deviation(double largest, double distance, double edge_length) {
-  return largest + distance <= kMaxBend * edge_length ? largest + distance : kInfeasible;
+/// Where operations may bend the surface, and how far.
+struct BendLimit {
+  /// Beside kMaxBend: the part of a bound on the deviation of the surface that is left to operations; kInfeasible
+  /// without such a bound.
+  double max_bend = kInfeasible;
+  /// With such a bound the distance that operations add is that of the edited surface (DeviationBound), or of the
+  /// mesh's where that is larger. The positions of the vertices in the edited surface; empty without a bound.
+  Span<const Point> edited = {};
+
+  TETUNE_HD bool is_bounded() const { return edited.size() > 0; }
+  /// The deviation of the triangles that an operation makes: its distance is added to the largest deviation of those
+  /// that it replaces. kInfeasible beyond the limit.
+  TETUNE_HD double add(double largest, double distance, double edge_length) const {
+    const double sum = largest + distance;
+    return sum <= kMaxBend * edge_length && sum <= max_bend ? sum : kInfeasible;
+  }
+  /// The deviation after an operation: the larger one of `deviation_of(points)` for the mesh's surface and for the
+  /// edited one.
+  template <class DeviationOf>
+  TETUNE_HD double largest(Span<const Point> points, const DeviationOf& deviation_of) const {
+    const double own = deviation_of(points);
+    if (!is_bounded() || !(own < kInfeasible)) return own;
+    const double of_edited = deviation_of(edited);
+    return own > of_edited ? own : of_edited;
+  }
+};
+
+/// The vertices of a triangle that is replaced keep their checked positions. `stays`: CheckedSurface::stays; empty
+/// without a bound on the deviation.
+TETUNE_HD inline void keep_checked(const BoundaryTriangle& t, Span<std::uint8_t> stays) {
+  if (stays.size() == 0) return;
+  for (const Index v : t.v) backend::store_shared(stays[v], std::uint8_t{1});
 }
 
 TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {
@@ -71,6 +99,7 @@ struct BoundaryTriangles {
   /// Flips may bend it too, from improve_angles() on. Flips that lower the energy would use up the bound that the worst
   /// angles need.
   bool flips_bend = false;
+  double max_bend = kInfeasible;  ///< see BendLimit
   /// The images of the vertices of triangles that flip with their image; empty if there is none.
   PeriodicImages<Backend> images;
 };

@@ -27,6 +27,8 @@ struct DofInput {
   const EdgeSet<Backend>& edges;
   const std::vector<VertexConstraint>& constraints;  ///< per work vertex
   double scale;                                      ///< coordinates of the work mesh per unit of the caller's
+  double max_deviation;                              ///< of the surface by moves of vertices, in the caller's unit
+  bool edits_surface;                                ///< see edits_surface()
   const SlideSurface* slides_on;                     ///< the surface for Boundary::slide; null: the mesh's own
   const std::vector<Index>& original2vertex;
 };
@@ -132,7 +134,7 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
     backend.fill(dofs.axis.span(), Vec3{});
     // The bound is slightly smaller than the caller's, against rounding.
     constexpr double kMargin = 1e-5;
-    dofs.max_deviation = (1 - kMargin) * options.max_deviation * input.scale;
+    dofs.max_deviation = (1 - kMargin) * input.max_deviation * input.scale;
     // Underflow must not turn a bound into none.
     if (options.max_deviation > 0)
       dofs.max_deviation = std::max(dofs.max_deviation, 2 * std::numeric_limits<double>::min());
@@ -154,6 +156,11 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   if (dofs.max_deviation > 0 && dofs.checked.points.size() == 0) {
     dofs.checked.points.assign(backend, mesh.points);
     dofs.checked.surface_points.assign(backend, dofs.surface_point);
+  }
+  if (dofs.max_deviation > 0 && input.edits_surface) {
+    dofs.checked.stays.resize(backend, vertices);
+    backend.fill(dofs.checked.stays.span(), std::uint8_t{0});
+    dofs.checked.edited_points.assign(backend, dofs.checked.points);
   }
   count_dofs(dofs.dof.download(), report);
 }

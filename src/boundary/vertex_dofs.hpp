@@ -6,6 +6,9 @@
 
 namespace tetune {
 
+/// The part of the bound on the deviation by which vertices may drift from the checked surface.
+inline constexpr double kDriftShare = 1.0 / 3;
+
 /// VertexDofs as kernels access them.
 struct DofsView {
   Span<const VertexDof> dof;
@@ -28,8 +31,8 @@ struct VertexDofs {
   ReferenceSurface<Backend> reference;
   /// Per vertex; meaningful on the surface. Empty: unbounded.
   BufferOf<Backend, DisplacementBound> displacement_bound;
-  /// The largest distance allowed between the mesh's surface and the reference surface (0: no bound), and the surface
-  /// that it is tested on.
+  /// The largest distance between the mesh's surface and the reference surface by moves of vertices (0: no bound), and
+  /// the surface that it is tested on.
   double max_deviation = 0;
   CheckedSurface<Backend> checked;
   /// The active vertices: 1 where at its last visit the vertex, or since then a vertex of its ring, moved by more than

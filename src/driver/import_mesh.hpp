@@ -121,6 +121,14 @@ inline std::vector<VertexConstraint> work_constraints(const TetMesh& mesh,
   return result;
 }
 
+/// Lets operations bend the surface, which is the reference surface, within the part of the bound that is theirs.
+template <class Backend>
+void let_surface_bend(const Backend& backend, const Options& options, WorkingSet<Backend>& work) {
+  link_to_reference(backend, work.dofs.reference.across.span(), work.boundary);
+  const double share = bend_share(options);
+  if (has_deviation_bound(options)) work.boundary.max_bend = share / (1 - share) * work.dofs.max_deviation;
+}
+
 /// Finds the surface and decides where its vertices may go.
 template <class Backend>
 void import_surface(const Backend& backend, const ImportInput& source, const Constraints& constraints,
@@ -149,7 +157,7 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
   const std::vector<VertexConstraint> without_links =
       moves ? work_constraints(mesh, constraints.vertices_without_links, original2vertex, work.listed_triangles)
             : work.vertex_constraints;
-  if (flips_boundary(options)) {
+  if (flips_boundary(options) || edits_surface(options)) {
     const DeviceViewOf<Backend, VertexConstraint> view(backend, without_links);
     build_boundary(backend, surface, listed, view.span(), work.boundary);
     work.boundary.bends = bends_surface(options);
@@ -173,11 +181,13 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
                                 .edges = edges,
                                 .constraints = work.vertex_constraints,
                                 .scale = work.scale,
+                                .max_deviation = (1 - bend_share(options)) * options.max_deviation,
+                                .edits_surface = edits_surface(options),
                                 .slides_on = source.slides_on,
                                 .original2vertex = original2vertex};
   find_dofs(backend, work.mesh, input, work.dofs, report);
   if (moves) import_periodic(backend, mesh, input, without_links, work, report);
-  if (bends_surface(options)) link_to_reference(backend, work.dofs.reference.across.span(), work.boundary);
+  if (bends_surface(options)) let_surface_bend(backend, options, work);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);
 }

@@ -27,10 +27,11 @@ std::size_t periodic_bytes(const TetMesh& mesh) {
   return 2 * 10 * (3 * sizeof(Point) + 2 * sizeof(LinkFace)) * pairs;
 }
 
-/// The checked surface of a bound on the deviation.
+/// The checked surface of a bound on the deviation, and the edited one.
 std::size_t checked_surface_bytes(const TetMesh& mesh, const Options& options) {
-  const bool is_bounded = has_deviation_bound(options);
-  return is_bounded ? (sizeof(Point) + sizeof(SurfacePoint)) * mesh.points.size() : 0;
+  if (!has_deviation_bound(options)) return 0;
+  const std::size_t edited = edits_surface(options) ? sizeof(Point) + 1 : 0;
+  return (sizeof(Point) + sizeof(SurfacePoint) + edited) * mesh.points.size();
 }
 
 /// The copy of the mesh on the host that restarts work on.

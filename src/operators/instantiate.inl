@@ -4,6 +4,7 @@
 #include "operators/flips/boundary_flip.inl"
 #include "operators/flips/face_removal.inl"
 #include "operators/flips/flip_pass.inl"
+#include "operators/stars/move_edited_surface.inl"
 #include "operators/stars/retriangulate.inl"
 
 namespace tetune {
@@ -14,9 +15,11 @@ template void activate_marked(const Instance&, const Criterion&, FlipState<Insta
 template PassResult flip_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
                               Span<std::uint8_t>);
 template PassResult boundary_flip_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
-                                       BoundaryTriangles<Instance>&, Span<std::uint8_t>);
+                                       BoundaryTriangles<Instance>&, const CheckedSurfaceView&, Span<std::uint8_t>);
 template PassResult face_removal_pass(const Instance&, WorkMesh<Instance>&, const Criterion&, FlipState<Instance>&,
                                       Span<std::uint8_t>);
 template RetriangulationReport retriangulate_worst(const Instance&, const EditableMesh<Instance>&, const Criterion&,
                                                    Span<const Index>, const RetriangulationLimits&);
+template ResultOf<Instance, Sum<Size>> move_edited_surface(const Instance&, const EditableMesh<Instance>&,
+                                                           const Coloring<Instance>&);
 }  // namespace tetune

@@ -22,7 +22,7 @@ class FlipUntilStable {
         criterion_(criterion),
         exhaustive_(optimizer.options.termination == Termination::paper || optimizer.options.max_iterations == 0),
         examines_around_(exhaustive_ && optimizer.options.max_ring > kNeighborRing),
-        flips_boundary_(optimizer.work.boundary.triangles.size() > 0) {}
+        flips_boundary_(optimizer.work.boundary.triangles.size() > 0 && flips_boundary(optimizer.options)) {}
 
   /// After a sweep, only tetrahedra above this energy propose flips.
   double min_energy() const {
@@ -68,7 +68,7 @@ class FlipUntilStable {
     optimizer_.changed.assign(optimizer_.backend, optimizer_.work.dofs.active);
     const Pass pass = measure_pass(Phase::boundary_flips, [this] {
       return boundary_flip_pass(optimizer_.backend, optimizer_.work.mesh, criterion_, optimizer_.work.flips,
-                                optimizer_.work.boundary, optimizer_.changed.output());
+                                optimizer_.work.boundary, {}, optimizer_.changed.output());
     });
     flips_boundary_ = !pass.gained_little;
     if (pass.flips == 0) clear_changed();

@@ -339,17 +339,29 @@ inline bool has_deviation_bound(const Options& options) {
   return options.boundary == Boundary::slide && options.max_deviation > 0;
 }
 
-/// Whether edges of the surface are flipped. With a bound on the deviation, flips would replace triangles of the
-/// surface that the deviation is measured from.
-inline bool flips_boundary(const Options& options) {
-  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed &&
-         !has_deviation_bound(options) && options.max_ring > 3;
+/// Whether edges of the surface may be flipped at all.
+inline bool may_flip_boundary(const Options& options) {
+  return options.flips && options.boundary_flips && options.boundary != Boundary::fixed && options.max_ring > 3;
 }
 
-/// Whether vertices are inserted and removed on the surface too.
-inline bool edits_surface(const Options& options) {
-  return edits_vertices(options) && flips_boundary(options) && options.surface_vertices != SurfaceVertices::keep;
+/// Whether alternate() flips edges of the surface. With a bound on the deviation, flips would replace triangles of the
+/// surface that the deviation is measured from.
+inline bool flips_boundary(const Options& options) {
+  return may_flip_boundary(options) && !has_deviation_bound(options);
 }
+
+/// Whether vertices of the surface may be inserted and removed.
+inline bool edits_surface_vertices(const Options& options) {
+  return edits_vertices(options) && options.surface_vertices != SurfaceVertices::keep;
+}
+
+/// Whether they are, and the phases after alternate() flip edges of the surface.
+inline bool edits_surface(const Options& options) {
+  return edits_surface_vertices(options) && may_flip_boundary(options);
+}
+
+/// The part of a bound on the deviation that is left to operations that change the triangles of the surface.
+inline double bend_share(const Options& options) { return edits_surface(options) ? 0.25 : 0; }
 
 /// Whether such operations, and flips of surface edges, may bend the surface within kMaxBend.
 inline bool bends_surface(const Options& options) {

@@ -176,10 +176,20 @@ class Slide(CliTest):
         self.assertEqual(faces["edit"], faces["auto"])
         self.assertNotEqual(faces["edit"], faces["keep"])
         self.assertEqual(faces["keep"], len(mesh.boundary_faces()))
-        for options, word in ((["--boundary", "fixed"], "--boundary fixed"),
-                              (["--boundary", "slide", "--max-deviation", "0.1%"], "--max-deviation")):
-            text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--surface-vertices", "edit", *options).stderr
-            self.assertIn(f"--surface-vertices edit edits inner vertices only with {word}", text)
+        text = self.run_cli("optimize", source, "-o", self.path("out.mesh"), "--surface-vertices", "edit", "--boundary", "fixed").stderr
+        self.assertIn("--surface-vertices edit edits inner vertices only with --boundary fixed", text)
+
+    def test_vertices_of_the_surface_are_inserted_and_removed_within_a_bound(self):
+        mesh = bent(cube(5))
+        source = self.put("in.mesh", mesh)
+        faces = {}
+        for word in ("keep", "edit"):
+            report, text = self.slide(source, "--boundary", "slide", "--effort", "best", "--surface-vertices", word, "--max-deviation", "1%")
+            self.assertTrue(report["surface"]["max_deviation_kept"])
+            self.assertNotIn("warning", text)
+            faces[word] = len(Mesh.read(self.path("out.mesh")).boundary_faces())
+        self.assertEqual(faces["keep"], len(mesh.boundary_faces()))
+        self.assertNotEqual(faces["edit"], faces["keep"])
 
     def test_freeze(self):
         mesh = bent(cube(4))

@@ -32,6 +32,10 @@ void add_best(std::vector<Case>& all) {
   Case& slide = add(all, "slide_best", ball(5));
   slide.options.boundary = Boundary::slide;
   slide.operations = {&Counts::face_removals, &Counts::compound_flips, &Counts::vertices_inserted};
+  Case& bounded = add(all, "deviation_best", waved(cube(2, 0.25)));
+  bounded.options.boundary = Boundary::slide;
+  bounded.options.max_deviation = 0.05;
+  bounded.operations = {&Counts::boundary_flips, &Counts::vertices_inserted};
   Case& periodic = add(all, "periodic", scrambled(periodic_cube(3, 0.3), 3, 4));
   link_box_faces(periodic.mesh, {true, true, true});
   periodic.operations = {&Counts::edge_removals, &Counts::boundary_flips, &Counts::compound_flips,

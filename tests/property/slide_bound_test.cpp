@@ -61,6 +61,42 @@ TEST(Slide, KeepsToTheBoundBothWays) {
   EXPECT_GT(bounded, test::kSanitized ? 10 : 30);
 }
 
+TEST(Slide, EditsOfTheSurfaceKeepToTheBoundBothWays) {
+  std::int64_t edited = 0;
+  double largest = 0;
+  for (int shape = 0; shape < kShapes; ++shape) {
+    const TetMesh before = curved(shape, 4);
+    const auto old_skin = test::corners(before, test::skin(before));
+    for (const double part : {0.4, 0.04}) {
+      if (test::kSanitized && part == 0.4) continue;
+      Options options;
+      options.boundary = Boundary::slide;
+      options.effort = Effort::best;
+      options.restarts = 1;
+      options.max_deviation = part * mean_edge(old_skin);
+      options.threads = 1;
+      TetMesh after = before;
+      const Report report = optimize(after, options);
+      EXPECT_TRUE(validate(after).ok());
+      const auto new_skin = test::corners(after, test::skin(after));
+      const double distance = std::max(test::sampled_distance(new_skin, ClosestTriangle(old_skin), 8),
+                                       test::sampled_distance(old_skin, ClosestTriangle(new_skin), 8));
+      EXPECT_LE(distance, options.max_deviation) << "shape " << shape << " part " << part;
+      largest = std::max(largest, distance / options.max_deviation);
+      edited += (report.boundary_flips > 0 ? 1 : 0) + (new_skin.size() != old_skin.size() ? 1 : 0);
+
+      if (test::kSanitized || part != 0.4) continue;
+      options.threads = 3;
+      TetMesh by_three = before;
+      optimize(by_three, options);
+      EXPECT_EQ(by_three.points, after.points);
+      EXPECT_EQ(by_three.tets, after.tets);
+    }
+  }
+  EXPECT_GT(edited, kShapes);
+  EXPECT_GT(largest, 0.3);
+}
+
 /// A box of random sides, bent by waves.
 TetMesh bent_box(std::mt19937& random) {
   const auto between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };

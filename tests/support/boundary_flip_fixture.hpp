@@ -68,7 +68,8 @@ struct BoundaryFlips {
     activate_all(cpu, work, criterion, state);
   }
   PassResult pass() {
-    return boundary_flip_pass(cpu, work, criterion, state, boundary, {active.data(), static_cast<Size>(active.size())});
+    return boundary_flip_pass(cpu, work, criterion, state, boundary, {},
+                              {active.data(), static_cast<Size>(active.size())});
   }
   /// The listed triangles of the mesh after the flips.
   std::vector<std::array<Index, 3>> listed_now(const TetMesh& mesh) {

@@ -334,11 +334,12 @@ TEST(DeviationBound, AddsUpDriftAndTestedDeviation) {
       const double drift = share * limit;
       SlidSurface mesh(s);
       SlidSurface checked(s);
-      const CheckedSurfaceView view{span_of(checked.points), span_of(checked.surface_points)};
+      const CheckedSurfaceView view{span_of(checked.points), span_of(checked.surface_points), {}, {}};
       int moves = 0;
       int tests = 0;
       mesh.for_walks(4000, 0.03, random, [&](Index v, const TraceResult& end) {
-        DeviationBound<Pack> bound({ref, view.points, view.surface_points, v, limit}, vec(view.points[v]), share);
+        DeviationBound<Pack> bound({ref, view.points, view.surface_points, v, limit}, vec(view.points[v]), false,
+                                   share);
         if (!bound.allows(end.position, end.surface_point)) return;
         const Point before = view.points[v];
         bound.store(view, v);

@@ -36,20 +36,34 @@ std::array<Index, 3> key_of(const Tet& tet, int face) {
   return {key.low, key.middle, key.high};
 }
 
-/// The largest distance of a sliding vertex from its position in the checked surface.
+/// The largest distance of a sliding vertex from its position in the edited surface.
 double drift_of(const HostWork& mesh) {
   double drift = 0;
-  for (Size v = 0; v < std::ssize(mesh.checked.points); ++v) {
+  for (Size v = 0; v < std::ssize(mesh.checked.edited_points); ++v) {
     if (!slides(span_of(mesh.dof)[v])) continue;
-    drift = std::max(drift, norm(vec(span_of(mesh.points)[v]) - vec(span_of(mesh.checked.points)[v])));
+    drift = std::max(drift, norm(vec(span_of(mesh.points)[v]) - vec(span_of(mesh.checked.edited_points)[v])));
   }
   return drift;
 }
 
+/// Vertices whose triangles have not changed have one position in the checked and in the edited surface. Inserted ones
+/// are none of these.
+void expect_edited_as_checked(const HostWork& mesh) {
+  const CheckedSurfaceOnHost& checked = mesh.checked;
+  ASSERT_EQ(checked.edited_points.size(), checked.points.size());
+  ASSERT_EQ(checked.stays.size(), checked.points.size());
+  for (Size v = 0; v < std::ssize(checked.points); ++v) {
+    if (span_of(checked.stays)[v] != 0) continue;
+    EXPECT_EQ(norm(vec(span_of(checked.edited_points)[v]) - vec(span_of(checked.points)[v])), 0);
+    EXPECT_NE(span_of(mesh.vertex2original)[v], kInserted);
+  }
+}
+
 /// Neighbors name each other and share their face; the triangles of the boundary are the locked faces.
-/// Vertices have not drifted from the checked surface by more than the bound allows.
+/// Vertices have not drifted by more than the bound allows.
 void expect_consistent(const HostWork& mesh) {
   EXPECT_LE(drift_of(mesh), kDriftShare * mesh.max_deviation);
+  expect_edited_as_checked(mesh);
   std::map<std::array<Index, 3>, int> locked;
   Size alive = 0;
   for (Size t = 0; t < mesh.slots(); ++t) {

@@ -7,9 +7,6 @@
 
 namespace tetune {
 
-/// The part of the bound on the deviation by which vertices may drift from the checked surface.
-inline constexpr double kDriftShare = 1.0 / 3;
-
 /// The bound on the distance between the mesh's surface and the reference surface, for moves of one vertex.
 ///
 /// VertexDeviation is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex of
@@ -18,13 +15,21 @@ inline constexpr double kDriftShare = 1.0 / 3;
 /// directions, and that of the mesh's surface from the reference at most the drift more than what was tested. Thus a
 /// vertex that stays within the drift of its checked position needs no test. It may move beyond that if the test, with
 /// the rest of the bound, allows the checked surface to have it there.
+///
+/// Operations that change the triangles of the mesh's surface change those of a copy of the checked surface, the
+/// *edited surface*, and bound the distance between the two (BendLimit). The vertices of such triangles keep their
+/// checked positions, so that this bound holds while others move, and may drift alone, from the edited surface
+/// (CheckedSurface::stays).
 template <class Pack>
 class DeviationBound {
  public:
-  /// `checked`: the vertex in the checked surface, with the whole bound as limit, and `position` its position there.
-  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& position, double drift_share = kDriftShare)
+  /// `checked`: the vertex in the checked surface, with the whole bound as limit, and `position` its position there; or
+  /// that in the edited surface, where the vertex `stays`.
+  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& position, bool stays = false,
+                           double drift_share = kDriftShare)
       : test_({checked.ref, checked.points, checked.surface_points, checked.vertex, (1 - drift_share) * checked.limit}),
         bounded_(checked.limit > 0),
+        stays_(stays),
         max_drift_(drift_share * checked.limit),
         position_(position) {}
 
@@ -34,7 +39,7 @@ class DeviationBound {
     if (!bounded_) return true;
     const Vec3 drift = x - position_;
     if (dot(drift, drift) <= max_drift_ * max_drift_) return true;
-    if (!test_.allows(position_, x, on)) return false;
+    if (stays_ || !test_.allows(position_, x, on)) return false;
     position_ = x;
     surface_point_ = on;
     has_moved_ = true;
@@ -45,12 +50,14 @@ class DeviationBound {
   TETUNE_HD void store(const CheckedSurfaceView& checked, Index v) const {
     if (!has_moved_) return;
     checked.points[v] = point(position_);
+    if (checked.edited_points.size() > 0) checked.edited_points[v] = point(position_);
     checked.surface_points[v] = surface_point_;
   }
 
  private:
   VertexDeviation<Pack> test_;
   bool bounded_;
+  bool stays_;
   bool has_moved_ = false;
   double max_drift_;
   Vec3 position_;
@@ -61,8 +68,11 @@ class DeviationBound {
 template <class Pack, class Team>
 TETUNE_HD DeviationBound<Pack> deviation_bound(const DofsView& dofs, const Team& team, Index v) {
   const CheckedSurfaceView& checked = dofs.checked;
-  const Vec3 position = dofs.max_deviation > 0 ? vec(backend::read_once(team, checked.points[v])) : Vec3{};
-  return {{dofs.reference, checked.points, checked.surface_points, v, dofs.max_deviation}, position};
+  const DeviationInput input{dofs.reference, checked.points, checked.surface_points, v, dofs.max_deviation};
+  if (!(dofs.max_deviation > 0)) return {input, Vec3{}};
+  const bool edits = checked.edited_points.size() > 0;
+  return {input, vec(backend::read_once(team, edits ? checked.edited_points[v] : checked.points[v])),
+          edits && backend::read_once(team, checked.stays[v]) != 0};
 }
 
 }  // namespace tetune

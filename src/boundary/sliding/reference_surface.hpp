@@ -60,14 +60,18 @@ struct ReferenceView {
 
 /// The checked surface as kernels access it: see DeviationBound.
 struct CheckedSurfaceView {
-  Span<Point> points;                 ///< per vertex of the reference
+  Span<Point> points;                 ///< per vertex
   Span<SurfacePoint> surface_points;  ///< and their surface points
+  Span<std::uint8_t> stays;           ///< see CheckedSurface, as the next
+  Span<Point> edited_points;
 };
 
 /// The checked surface in the host's memory.
 struct CheckedSurfaceOnHost {
   std::vector<Point> points;
   std::vector<SurfacePoint> surface_points;
+  std::vector<std::uint8_t> stays;
+  std::vector<Point> edited_points;
 };
 
 /// The checked surface in a backend's memory. Empty without a bound on the deviation.
@@ -75,17 +79,29 @@ template <class Backend>
 struct CheckedSurface {
   BufferOf<Backend, Point> points;
   BufferOf<Backend, SurfacePoint> surface_points;
+  /// Per vertex: 1 where an operation has changed the triangles of the mesh's surface at it, so that they are no longer
+  /// those of the reference surface. The checked position stays.
+  BufferOf<Backend, std::uint8_t> stays;
+  /// The positions in the edited surface, which has the triangles of the mesh's surface. Where a vertex does not stay,
+  /// that in the checked surface.
+  BufferOf<Backend, Point> edited_points;
 
   void assign(const Backend& backend, const CheckedSurface& from) {
     points.assign(backend, from.points);
     surface_points.assign(backend, from.surface_points);
+    stays.assign(backend, from.stays);
+    edited_points.assign(backend, from.edited_points);
   }
   void upload(const Backend& backend, const CheckedSurfaceOnHost& from) {
     points.upload(backend, from.points);
     surface_points.upload(backend, from.surface_points);
+    stays.upload(backend, from.stays);
+    edited_points.upload(backend, from.edited_points);
   }
-  CheckedSurfaceOnHost download() const { return {points.download(), surface_points.download()}; }
-  CheckedSurfaceView view() { return {points, surface_points}; }
+  CheckedSurfaceOnHost download() const {
+    return {points.download(), surface_points.download(), stays.download(), edited_points.download()};
+  }
+  CheckedSurfaceView view() { return {points, surface_points, stays, edited_points}; }
 };
 
 /// The reference surface in the host's memory.

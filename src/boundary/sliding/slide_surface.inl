@@ -252,8 +252,8 @@ PlacesOnSurface export_places(const Backend& backend, const VertexDofs<Backend>&
   places.checked_surface_point =
       export_surface_points(backend, dofs.reference, dofs.checked.surface_points.span(), vertex2original);
   const std::vector<Point> points = dofs.checked.points.download();
-  places.checked_points.resize(points.size());
-  for (Size w = 0; w < std::ssize(points); ++w) {
+  places.checked_points.resize(places.surface_point.size());
+  for (Size w = 0; w < std::ssize(places.surface_point); ++w) {
     const Index v = span_of(vertex2original)[w];
     if (v >= 0) span_of(places.checked_points)[v] = to_point((1 / scale) * vec(span_of(points)[w]));
   }

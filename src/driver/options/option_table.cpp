@@ -108,7 +108,9 @@ constexpr std::array kEffortConditions{
 constexpr std::array kBoundaryFlipConditions{
     OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
                     "has no effect with boundary=fixed"},
-    kWithoutFlips, OptionCondition{has_deviation_bound, "has no effect with max_deviation"},
+    kWithoutFlips,
+    OptionCondition{[](const Options& o) { return has_deviation_bound(o) && !edits_surface_vertices(o); },
+                    "has no effect with max_deviation where the vertices of the surface stay"},
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
 constexpr OptionCondition kWithHarmonic{[](const Options& o) { return o.energy == Energy::harmonic; },
                                         "has no effect with energy=harmonic"};
@@ -126,8 +128,6 @@ constexpr std::array kSurfaceEditConditions{
     kIfEdit<kWithoutSweeps>,
     OptionCondition{[](const Options& o) { return is_edit(o) && o.boundary == Boundary::fixed; },
                     "edits inner vertices only with boundary=fixed"},
-    OptionCondition{[](const Options& o) { return is_edit(o) && has_deviation_bound(o); },
-                    "edits inner vertices only with max_deviation, and those in flat patches of curved meshes"},
     OptionCondition{[](const Options& o) { return is_edit(o) && (!o.boundary_flips || !o.flips || o.max_ring == 3); },
                     "edits inner vertices only where edges of the surface are not flipped"}};
 constexpr std::array kGrowthConditions{

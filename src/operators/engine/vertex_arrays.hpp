@@ -23,6 +23,7 @@ struct VertexArrays {
   Span<SurfacePoint> surface_point;  ///< empty unless vertices slide
   Span<std::uint8_t> constrained_vertex;
   Span<DisplacementBound> displacement_bound;  ///< may be empty
+  CheckedSurfaceView checked;                  ///< empty without a bound on the deviation
 
   /// Initializes a new vertex at x.
   TETUNE_HD void insert(Index v, const Vec3& x, const NewVertexDof& inserted) const {
@@ -31,6 +32,14 @@ struct VertexArrays {
     axis[v] = inserted.axis;
     if (surface_point.size() > 0) surface_point[v] = inserted.surface_point;
     if (displacement_bound.size() > 0) displacement_bound[v] = {x, inserted.radius};
+    if (checked.points.size() > 0) {
+      checked.points[v] = point(x);
+      checked.surface_points[v] = inserted.surface_point;
+    }
+    if (checked.edited_points.size() > 0) {
+      checked.edited_points[v] = point(x);
+      checked.stays[v] = 1;
+    }
     constrained_vertex[v] = 0;
   }
 };

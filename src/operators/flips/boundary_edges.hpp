@@ -48,7 +48,8 @@ struct FindEdge {
   ConstrainedEdges constrained;
   Span<const BoundaryTriangle> triangles;
   CsrView vertex2corner;
-  bool flips_bend;  ///< flips may bend the surface, within kMaxBend
+  bool flips_bend;  ///< flips may bend the surface,
+  BendLimit limit;  ///< within this limit
   PeriodicImagesView images;
 
   /// The edge opposite a corner.
@@ -89,7 +90,12 @@ struct FindEdge {
     if (t.stays == kStays || t.stays != u.stays || !in_one_patch(t, u)) return false;
     const bool may_bend = flips_bend && !is_paired(e);
     if (flips_bend && !may_bend && is_feature_edge(t, e.a, e.b)) return false;
-    return (may_bend ? deviation_after(e) < kInfeasible : is_flat(e)) && !is_edge(e.p, e.q);
+    return (may_bend || is_flat(e)) && (!has_deviation(e) || deviation_after(e) < kInfeasible) && !is_edge(e.p, e.q);
+  }
+  /// Whether a flip adds to the deviation of its triangles. Triangles that are coplanar need not be so in the edited
+  /// surface.
+  TETUNE_HD bool has_deviation(const BoundaryEdge& e) const {
+    return (flips_bend || limit.is_bounded()) && !is_paired(e);
   }
 
   /// Whether an edge is flipped together with its periodic image.
@@ -120,25 +126,28 @@ struct FindEdge {
 
   /// The deviation (BoundaryTriangle::deviation) after a flip; kInfeasible where it would be too large.
   TETUNE_HD double deviation_after(const BoundaryEdge& e) const {
+    if (is_feature_edge(triangles[e.triangle], e.a, e.b)) return kInfeasible;
+    return limit.largest(points, [&](Span<const Point> positions) { return deviation_after(e, positions); });
+  }
+
+ private:
+  TETUNE_HD double deviation_after(const BoundaryEdge& e, Span<const Point> positions) const {
     const BoundaryTriangle& t = triangles[e.triangle];
     const BoundaryTriangle& u = triangles[e.other];
-    if (is_feature_edge(t, e.a, e.b)) return kInfeasible;
-    const Vec3 a = vec(points[e.a]);
+    const Vec3 a = vec(positions[e.a]);
     OpenFan before;
     before.add(e.b, e.p);
     before.add(e.q, e.b);
     OpenFan after;  // around p
     after.add(e.a, e.q);
     after.add(e.q, e.b);
-    const FanComparison comparison(points, a, before);
-    const Vec3 p = vec(points[e.p]);
-    const double apexes = segment_distance(a, vec(points[e.b]), p, vec(points[e.q]));
+    const FanComparison comparison(positions, a, before);
+    const Vec3 p = vec(positions[e.p]);
+    const double apexes = segment_distance(a, vec(positions[e.b]), p, vec(positions[e.q]));
     const double distance = comparison.distance(a, before, p, after, apexes);
     const double largest = t.deviation > u.deviation ? t.deviation : u.deviation;
-    return bent_deviation(largest, distance, comparison.edge_length(before));
+    return limit.add(largest, distance, comparison.edge_length(before));
   }
-
- private:
   /// The image of an edge by the translation that maps a to `image_a`, with the orientation of its own triangle.
   TETUNE_HD BoundaryEdge translated(const BoundaryEdge& e, Index image_a, const Vec3& translation) const {
     const Index v[3] = {image_a, images.image_of(e.b, translation), images.image_of(e.p, translation)};

@@ -14,9 +14,10 @@ namespace tetune {
 
 /// One pass over all edges of the boundary with an end flagged in `changed`: like flip_pass(), with one candidate per
 /// edge that may be flipped (FindEdge). It needs no active set; new tetrahedra are active for flip_pass() afterwards.
+/// `checked`: see BendLimit; empty without a bound on the deviation.
 template <class Backend>
 PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                               FlipState<Backend>& state, BoundaryTriangles<Backend>& boundary,
-                              Span<std::uint8_t> changed);
+                              const CheckedSurfaceView& checked, Span<std::uint8_t> changed);
 
 }  // namespace tetune

@@ -123,6 +123,7 @@ struct FlipTriangles {
   Span<const Record<FlipCandidate>> records;
   Span<const Index> selected;
   Span<BoundaryTriangle> triangles;
+  Span<std::uint8_t> stays;
   TETUNE_HD void operator()(Size i) const {
     const Record<FlipCandidate>& r = records[selected[i]];
     if (!r.is_leader(selected[i])) return;
@@ -134,6 +135,8 @@ struct FlipTriangles {
   TETUNE_HD void flip(const BoundaryEdge& e) const {
     BoundaryTriangle& triangle = triangles[e.triangle];
     BoundaryTriangle& other = triangles[e.other];
+    keep_checked(triangle, stays);
+    keep_checked(other, stays);
     int a = 0;
     while (other.v[a] != e.a) ++a;
     // Triangles of an interface may have different orientations.
@@ -144,7 +147,7 @@ struct FlipTriangles {
         bit(is_feature_edge(triangle, e.p, e.a), 1) | bit(is_feature_edge(other, e.a, e.q), 2);
     const unsigned second_features =
         bit(is_feature_edge(triangle, e.b, e.p), 0) | bit(is_feature_edge(other, e.q, e.b), is_same ? 2 : 1);
-    if (find.flips_bend && !find.is_paired(e)) triangle.deviation = other.deviation = find.deviation_after(e);
+    if (find.has_deviation(e)) triangle.deviation = other.deviation = find.deviation_after(e);
     triangle.features = first_features;
     other.features = second_features;
     for (int k = 0; k < 3; ++k) {
@@ -180,13 +183,17 @@ auto find_faces(const Backend& backend, WorkMesh<Backend>& mesh, BoundaryTriangl
 template <class Backend>
 PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, const Criterion& criterion,
                               FlipState<Backend>& state, BoundaryTriangles<Backend>& boundary,
-                              Span<std::uint8_t> changed) {
+                              const CheckedSurfaceView& checked, Span<std::uint8_t> changed) {
   using namespace boundary_flip_detail;
   PassResult result;
   list_corners(backend, mesh, boundary);
-  const FindEdge find{mesh.points.span(),        state.constrained(),
-                      boundary.triangles.span(), boundary.vertex2corner.view(),
-                      boundary.flips_bend,       boundary.images.view()};
+  const FindEdge find{.points = mesh.points.span(),
+                      .constrained = state.constrained(),
+                      .triangles = boundary.triangles.span(),
+                      .vertex2corner = boundary.vertex2corner.view(),
+                      .flips_bend = boundary.flips_bend,
+                      .limit = {boundary.max_bend, checked.edited_points},
+                      .images = boundary.images.view()};
   auto corners = find_corners(backend, find, changed);
   const Size count = corners.size();
   result.active = count;
@@ -204,8 +211,9 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   if (selection.size() == 0 || backend.stop_requested()) return result;
   result = flip_selected(backend, mesh, criterion, state, selection, changed);
   result.active = count;
-  backend.for_each(selection.size(), FlipTriangles{find, edges.span(), images.span(), selection.records.span(),
-                                                   selection.selected.span(), boundary.triangles.span()});
+  backend.for_each(selection.size(),
+                   FlipTriangles{find, edges.span(), images.span(), selection.records.span(), selection.selected.span(),
+                                 boundary.triangles.span(), checked.stays});
   boundary.stale = true;
   return result;
 }

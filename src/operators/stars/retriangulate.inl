@@ -43,12 +43,21 @@ VertexArrays grow_vertices(const Backend& backend, const EditableMesh<Backend>& 
   dofs.active.grow(backend, count);
   if (dofs.surface_point.size() > 0) dofs.surface_point.grow(backend, count);
   if (dofs.displacement_bound.size() > 0) dofs.displacement_bound.grow(backend, count);
+  if (dofs.checked.points.size() > 0) {
+    dofs.checked.points.grow(backend, count);
+    dofs.checked.surface_points.grow(backend, count);
+  }
+  if (dofs.checked.edited_points.size() > 0) {
+    dofs.checked.edited_points.grow(backend, count);
+    dofs.checked.stays.grow(backend, count);
+  }
   return {mesh.vertex2original.span(),
           dofs.dof.span(),
           dofs.axis.span(),
           dofs.surface_point.span(),
           editable.flips.constrained_vertex.span(),
-          dofs.displacement_bound.span()};
+          dofs.displacement_bound.span(),
+          dofs.checked.view()};
 }
 
 /// Whether the mesh may have as many tetrahedra as these changes leave.
@@ -97,8 +106,12 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
   SurfaceTriangles triangles{};
   if (boundary != nullptr) {
     list_corners(backend, mesh, *boundary);
-    triangles = {boundary->triangles.span(), boundary->vertex2corner.view(), boundary->bends, dofs.reference.view(),
-                 dofs.surface_point.span()};
+    triangles = {.triangles = boundary->triangles.span(),
+                 .vertex2corner = boundary->vertex2corner.view(),
+                 .bends = boundary->bends,
+                 .limit = {boundary->max_bend, dofs.checked.edited_points.span()},
+                 .reference = dofs.reference.view(),
+                 .surface_point = dofs.surface_point.span()};
   }
   const Size count = choices * tets.size();
   const StarContext context{.mesh = rated(mesh, criterion),
@@ -126,7 +139,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
   const VertexArrays vertices = grow_vertices(backend, editable, mesh.vertices() + total.inserted);
   apply_selection(backend, mesh, criterion, flips, selection,
                   ApplicationOutput{.changed = dofs.active.span(), .vertices = vertices});
-  if (boundary != nullptr) replace_triangles(backend, selection, *boundary);
+  if (boundary != nullptr) replace_triangles(backend, selection, dofs.checked.stays.span(), *boundary);
   return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};
 }
 

@@ -75,7 +75,14 @@ struct StarContext {
   TETUNE_HD bool is_proposer(Index t) const { return contains(proposers, t); }
 
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
-  TETUNE_HD SurfaceBend bend() const { return {mesh.points, surface.triangles}; }
+  /// The deviation of the surface after an operation: `deviation_of(bend)` for the surface with the present positions,
+  /// and with those of the edited surface.
+  template <class DeviationOf>
+  TETUNE_HD double deviation_after(const DeviationOf& deviation_of) const {
+    return surface.limit.largest(mesh.points, [&](Span<const Point> points) {
+      return deviation_of(SurfaceBend(points, surface.triangles, surface.limit));
+    });
+  }
 
  private:
   /// Whether the predicate holds for a tetrahedron of the cavity before t.

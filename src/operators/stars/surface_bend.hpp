@@ -9,12 +9,11 @@ namespace tetune {
 
 /// The distance between a curved surface before and after an operation on it. Each surface triangle carries a bound on
 /// the distance that operations have added since the start (BoundaryTriangle::deviation); an operation adds its own to
-/// the largest of the triangles that it replaces, and is not made where the sum would exceed kMaxBend local lengths of
-/// edges.
+/// the largest of the triangles that it replaces, and is not made where the sum would exceed the limit.
 class SurfaceBend {
  public:
-  TETUNE_HD SurfaceBend(Span<const Point> points, Span<const BoundaryTriangle> triangles)
-      : points_(points), triangles_(triangles) {}
+  TETUNE_HD SurfaceBend(Span<const Point> points, Span<const BoundaryTriangle> triangles, const BendLimit& limit)
+      : points_(points), triangles_(triangles), limit_(limit) {}
 
   /// The deviation after a vertex at x has replaced a simplex of the surface, an edge or a triangle; kInfeasible where
   /// it would be too large.
@@ -29,8 +28,24 @@ class SurfaceBend {
     return largest_of_sheets(replaced,
                              [&](std::uint32_t& left) { return of_contraction(v, apex, end, replaced, left); });
   }
+  /// The deviation after v has moved to x, inside the fan of the triangles at it; kInfeasible where it would be above a
+  /// part of the limit, or the triangles are not one fan.
+  TETUNE_HD double after_motion(Index v, const Vec3& x, const ReplacedTriangles& at) const {
+    OpenFan fan;
+    std::uint32_t left = (std::uint32_t{1} << at.count) - 1;
+    take_sheet(v, at, left, fan);
+    if (left != 0) return kInfeasible;
+    const Vec3 c = vec(points_[v]);
+    const FanComparison comparison(points_, c, fan);
+    const double distance = comparison.distance(c, fan, x, fan, norm(x - c));
+    const double deviation = add_to_deviation(at, distance, comparison.edge_length(fan));
+    return deviation <= kMotionShare * limit_.max_bend ? deviation : kInfeasible;
+  }
 
  private:
+  /// The part of the limit that motions may use up: operations need the rest (docs/benchmarks/peers.md, "With a bound
+  /// on the deviation").
+  static constexpr double kMotionShare = 0.5;
   static_assert(kMaxStarTriangles <= OpenFan::kMaxEdges);
 
   /// The largest of the deviations of all sheets, each of which removes its triangles from the set of those that are
@@ -50,7 +65,7 @@ class SurfaceBend {
       const double d = triangles_[replaced.triangle[i]].deviation;
       largest = d > largest ? d : largest;
     }
-    return bent_deviation(largest, distance, edge_length);
+    return limit_.add(largest, distance, edge_length);
   }
   /// The vertex other than the apex that v has a feature edge to, or -1.
   TETUNE_HD Index line_end(Index v, Index apex, const ReplacedTriangles& replaced) const {
@@ -164,6 +179,7 @@ class SurfaceBend {
 
   Span<const Point> points_;
   Span<const BoundaryTriangle> triangles_;
+  BendLimit limit_;
 };
 
 }  // namespace tetune

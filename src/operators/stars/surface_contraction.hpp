@@ -31,7 +31,8 @@ struct SurfaceContraction {
     if (p.is_contracted_earlier(star, apex, t)) return;
     if (p.surface.bends) {
       if (!is_beside(p, replaced, v, apex)) return;
-      replaced.deviation = p.bend().after_contraction(v, apex, replaced);
+      replaced.deviation =
+          p.deviation_after([&](const SurfaceBend& bend) { return bend.after_contraction(v, apex, replaced); });
       if (!(replaced.deviation < kInfeasible)) return;
     }
     if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;

@@ -41,7 +41,8 @@ struct SurfaceInsertion {
     if (!p.place_new_vertex(star, x)) return;
     if (p.surface.bends) {
       dof.surface_point = star.surface_point();
-      replaced.deviation = p.bend().after_insertion(simplex, replaced, x);
+      replaced.deviation =
+          p.deviation_after([&](const SurfaceBend& bend) { return bend.after_insertion(simplex, replaced, x); });
       if (!(replaced.deviation < kInfeasible)) return;
     }
     StarCandidate c = star.candidate(kNewVertex, kNoVertex, x);
@@ -80,8 +81,10 @@ struct SurfaceInsertion {
            (on.kind == SurfacePointKind::vertex && p.surface.reference.dof[on.item] == VertexDof::curve);
   }
   /// On a feature edge without a vertex on such a line: the edge itself where it is a part of the reference
-  /// surface. Otherwise vertices of the line were removed, and the line between its ends is not known.
+  /// surface. Otherwise vertices of the line were removed, and the line between its ends is not known. With a bound on
+  /// the deviation none: DeviationBound is for vertices that slide.
   TETUNE_HD static NewVertexDof place_between_corners(const StarContext& p, const SurfaceSimplex& edge, double radius) {
+    if (p.surface.limit.is_bounded()) return {VertexDof::fixed};
     const Vec3 a = vec(p.mesh.points[edge.v[0]]);
     const Vec3 along = vec(p.mesh.points[edge.v[1]]) - a;
     const NewVertexDof on_line{VertexDof::line, (1 / norm(along)) * along, radius, {SurfacePointKind::none, -1}};

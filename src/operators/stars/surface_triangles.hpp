@@ -11,7 +11,8 @@ namespace tetune {
 struct SurfaceTriangles {
   Span<const BoundaryTriangle> triangles;  ///< empty: the vertices of the surface stay
   CsrView vertex2corner;
-  bool bends;                              ///< operations may bend the surface, within kMaxBend
+  bool bends;                              ///< operations may bend the surface,
+  BendLimit limit;                         ///< within this limit
   ReferenceView reference;                 ///< where it bends: the surface that its vertices slide on,
   Span<const SurfacePoint> surface_point;  ///< and their places there
 
@@ -78,8 +79,10 @@ struct ReplaceTriangles {
   Span<const ChangeCounts> before;
   Span<BoundaryTriangle> triangles;
   Size old_count;
+  Span<std::uint8_t> stays;
   TETUNE_HD void operator()(Size i) const {
     const StarPatch& patch = records[selected[i]].patch;
+    for (int k = 0; k < patch.replaced.count; ++k) keep_checked(triangles[patch.replaced.triangle[k]], stays);
     const int size = patch.simplex.size;
     unsigned features[3 * kMaxStarTriangles];
     for (int n = 0; n < patch.replaced.count * size; ++n) features[n] = new_features(patch, n / size, n % size);
@@ -132,16 +135,17 @@ struct CopyTriangles {
 
 }  // namespace surface_triangles_detail
 
-/// Updates the boundary triangles after the application of a selection.
+/// Updates the boundary triangles after the application of a selection. `stays`: CheckedSurface::stays.
 template <class Backend>
-void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& selection,
+void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& selection, Span<std::uint8_t> stays,
                        BoundaryTriangles<Backend>& boundary) {
   using namespace surface_triangles_detail;
   const Size old_count = boundary.triangles.size();
   if (old_count == 0) return;
   boundary.triangles.grow(backend, old_count + selection.total.triangles);
-  backend.for_each(selection.size(), ReplaceTriangles{selection.records.span(), selection.selected.span(),
-                                                      selection.before.span(), boundary.triangles.span(), old_count});
+  backend.for_each(selection.size(),
+                   ReplaceTriangles{selection.records.span(), selection.selected.span(), selection.before.span(),
+                                    boundary.triangles.span(), old_count, stays});
   const Size count = boundary.triangles.size();
   BufferOf<Backend, Index> kept(backend, count);
   const Size present = backend.compact(count, IsPresent{boundary.triangles.span()}, kept.span());

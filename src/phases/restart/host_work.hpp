@@ -23,6 +23,7 @@ struct HostWork : MeshSnapshot {
 
   std::vector<BoundaryTriangle> triangles;
   bool bends = false;
+  double max_bend = kInfeasible;
 
   std::vector<std::uint64_t> constrained_keys;
 
@@ -33,9 +34,9 @@ struct HostWork : MeshSnapshot {
   explicit HostWork(const WorkingSet<Backend>& work)
       : MeshSnapshot(work.mesh),
         max_deviation(work.dofs.max_deviation),
-        checked(work.dofs.checked.download()),
         triangles(work.boundary.triangles.download()),
         bends(work.boundary.bends),
+        max_bend(work.boundary.max_bend),
         constrained_keys(work.flips.constrained_keys.download()),
         reference(work.dofs.reference.download()) {
     for_each_dof_array(*this, work, [](auto& array, const auto& buffer) { array = buffer.download(); });
@@ -55,6 +56,10 @@ struct HostWork : MeshSnapshot {
     f(host.axis, work.dofs.axis);
     f(host.surface_point, work.dofs.surface_point);
     f(host.displacement_bound, work.dofs.displacement_bound);
+    f(host.checked.points, work.dofs.checked.points);
+    f(host.checked.surface_points, work.dofs.checked.surface_points);
+    f(host.checked.stays, work.dofs.checked.stays);
+    f(host.checked.edited_points, work.dofs.checked.edited_points);
     f(host.constrained_vertex, work.flips.constrained_vertex);
   }
 
@@ -74,7 +79,6 @@ void upload_work(const Backend& backend, const HostWork& host, WorkingSet<Backen
   host.upload(backend, work.mesh);
   HostWork::for_each_dof_array(host, work,
                                [&backend](const auto& array, auto& buffer) { buffer.upload(backend, array); });
-  work.dofs.checked.upload(backend, host.checked);
   work.dofs.active.resize(backend, work.mesh.vertices());
   work.boundary.triangles.upload(backend, host.triangles);
   work.boundary.stale = true;

@@ -84,7 +84,7 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
   NearReference near(whole.reference);
   for (const Index v : vertex2whole_) {
     near.add(span_of(whole.surface_point)[v]);
-    if (v < std::ssize(whole.checked.points)) near.add(span_of(whole.checked.surface_points)[v]);
+    if (!whole.checked.points.empty()) near.add(span_of(whole.checked.surface_points)[v]);
   }
   if (whole.bends) {
     for (const Index i : triangles_inside(whole, triangles)) near.add_triangle(span_of(whole.triangles)[i].reference);
@@ -111,7 +111,6 @@ void Neighborhood::take_reference(const HostWork& whole) {
   if (whole.surface_point.empty()) return;
   const ReferenceSurfaceOnHost& from = whole.reference;
   ReferenceSurfaceOnHost to;
-  CheckedSurfaceOnHost checked;
   for (const Index t : reference2whole_) {
     SurfaceTriangle triangle = span_of(from.triangles)[t];
     for (Index& v : triangle.v) v = vertex_of(v);
@@ -144,12 +143,8 @@ void Neighborhood::take_reference(const HostWork& whole) {
     to.points.push_back(span_of(from.points)[v]);
     to.line.push_back(line);
     to.dof.push_back(dof);
-    if (whole.checked.points.empty()) continue;
-    checked.points.push_back(span_of(whole.checked.points)[v]);
-    checked.surface_points.push_back(to_part(span_of(whole.checked.surface_points)[v]));
   }
   work.dofs.reference.upload(backend_, to);
-  work.dofs.checked.upload(backend_, checked);
 }
 
 void Neighborhood::take_tets(const HostWork& whole) {
@@ -219,6 +214,7 @@ void Neighborhood::take_triangles(const HostWork& whole, const TrianglesByLowest
   }
   work.boundary.triangles.upload(backend_, taken);
   work.boundary.bends = work.boundary.flips_bend = whole.bends;
+  work.boundary.max_bend = whole.max_bend;
 }
 
 void Neighborhood::take_edges(const HostWork& whole) {
@@ -262,11 +258,10 @@ void Neighborhood::put_vertices(HostWork& whole) {
       if (to >= 0 && moves(v)) span_of(array)[to] = vertex_to_whole(buffer.span()[v]);
     }
   });
-  for (Size v = 0; v < work.mesh.vertices(); ++v) {
+  // Triangles at vertices that do not move may have changed as well.
+  for (Size v = 0; v < work.dofs.checked.stays.size(); ++v) {
     const Index to = span_of(vertex2whole_)[v];
-    if (to < 0 || to >= std::ssize(whole.checked.points) || !moves(v)) continue;
-    span_of(whole.checked.points)[to] = work.dofs.checked.points.span()[v];
-    span_of(whole.checked.surface_points)[to] = to_whole(work.dofs.checked.surface_points.span()[v]);
+    if (to >= 0 && work.dofs.checked.stays.span()[v] != 0) span_of(whole.checked.stays)[to] = 1;
   }
 }
 
