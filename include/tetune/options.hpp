@@ -50,8 +50,8 @@ enum class Effort {
 /// Whether vertices of the surface and of interfaces are inserted and removed: with Boundary::preserve inside flat
 /// parts of a patch and along straight feature lines, so that the surface keeps its shape; with Boundary::slide on the
 /// input surface and its feature lines, where edges of the surface are flipped too. The latter moves the surface by at
-/// most 0.15 of the local edge length, in addition to what sliding does; it has no effect with
-/// Options::max_deviation.
+/// most 0.15 of the local edge length, in addition to what sliding does; with Options::max_deviation both together
+/// stay within that bound.
 enum class SurfaceVertices {
   automatic,  ///< "auto": as edit with Effort::best, else as keep
   keep,       ///< they are kept
@@ -131,7 +131,8 @@ struct Options {
   /// paper's 3-2 and 2-3 flips; below 5 no faces are removed together.
   int max_ring = 7;
   /// Whether edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped.
-  /// Without effect with Boundary::fixed, max_deviation > 0, max_ring 3, max_iterations 0, or without flips.
+  /// Without effect with Boundary::fixed, max_ring 3, max_iterations 0, without flips, or with max_deviation > 0 where
+  /// no vertices of the surface are inserted and removed.
   bool boundary_flips = true;
   /// The quality that every element should have. It does not change the result: Report::targets says which elements
   /// miss it and what constrains them.

@@ -67,11 +67,11 @@ struct BendLimit {
   }
 };
 
-/// The vertices of a triangle that is replaced keep their checked positions. `stays`: CheckedSurface::stays; empty
-/// without a bound on the deviation.
-TETUNE_HD inline void keep_checked(const BoundaryTriangle& t, Span<std::uint8_t> stays) {
-  if (stays.size() == 0) return;
-  for (const Index v : t.v) backend::store_shared(stays[v], std::uint8_t{1});
+/// Marks the vertices of a triangle that is replaced; they keep their checked positions. `is_edited`:
+/// CheckedSurface::is_edited; empty without a bound on the deviation.
+TETUNE_HD inline void mark_edited(const BoundaryTriangle& t, Span<std::uint8_t> is_edited) {
+  if (is_edited.size() == 0) return;
+  for (const Index v : t.v) backend::store_shared(is_edited[v], std::uint8_t{1});
 }
 
 TETUNE_HD inline bool has_vertex(const BoundaryTriangle& t, Index v) {

@@ -28,7 +28,6 @@ struct DofInput {
   const std::vector<VertexConstraint>& constraints;  ///< per work vertex
   double scale;                                      ///< coordinates of the work mesh per unit of the caller's
   double max_deviation;                              ///< of the surface by moves of vertices, in the caller's unit
-  bool edits_surface;                                ///< see edits_surface()
   const SlideSurface* slides_on;                     ///< the surface for Boundary::slide; null: the mesh's own
   const std::vector<Index>& original2vertex;
 };
@@ -156,11 +155,6 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   if (dofs.max_deviation > 0 && dofs.checked.points.size() == 0) {
     dofs.checked.points.assign(backend, mesh.points);
     dofs.checked.surface_points.assign(backend, dofs.surface_point);
-  }
-  if (dofs.max_deviation > 0 && input.edits_surface) {
-    dofs.checked.stays.resize(backend, vertices);
-    backend.fill(dofs.checked.stays.span(), std::uint8_t{0});
-    dofs.checked.edited_points.assign(backend, dofs.checked.points);
   }
   count_dofs(dofs.dof.download(), report);
 }

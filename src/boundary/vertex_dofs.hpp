@@ -6,7 +6,7 @@
 
 namespace tetune {
 
-/// The part of the bound on the deviation by which vertices may drift from the checked surface.
+/// The part of the bound on the deviation by which vertices may drift from the checked or the edited surface.
 inline constexpr double kDriftShare = 1.0 / 3;
 
 /// VertexDofs as kernels access them.

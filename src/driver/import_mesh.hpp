@@ -121,12 +121,18 @@ inline std::vector<VertexConstraint> work_constraints(const TetMesh& mesh,
   return result;
 }
 
-/// Lets operations bend the surface, which is the reference surface, within the part of the bound that is theirs.
+/// Lets operations bend the surface, which is the reference surface, within the part of the bound that is left to them
+/// (bend_share()).
 template <class Backend>
 void let_surface_bend(const Backend& backend, const Options& options, WorkingSet<Backend>& work) {
-  link_to_reference(backend, work.dofs.reference.across.span(), work.boundary);
+  VertexDofs<Backend>& dofs = work.dofs;
+  link_to_reference(backend, dofs.reference.across.span(), work.boundary);
+  if (!has_deviation_bound(options)) return;
   const double share = bend_share(options);
-  if (has_deviation_bound(options)) work.boundary.max_bend = share / (1 - share) * work.dofs.max_deviation;
+  work.boundary.max_bend = share / (1 - share) * dofs.max_deviation;
+  dofs.checked.is_edited.resize(backend, work.mesh.vertices());
+  backend.fill(dofs.checked.is_edited.span(), std::uint8_t{0});
+  dofs.checked.edited_points.assign(backend, dofs.checked.points);
 }
 
 /// Finds the surface and decides where its vertices may go.
@@ -182,7 +188,6 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
                                 .constraints = work.vertex_constraints,
                                 .scale = work.scale,
                                 .max_deviation = (1 - bend_share(options)) * options.max_deviation,
-                                .edits_surface = edits_surface(options),
                                 .slides_on = source.slides_on,
                                 .original2vertex = original2vertex};
   find_dofs(backend, work.mesh, input, work.dofs, report);

@@ -20,6 +20,6 @@ template PassResult face_removal_pass(const Instance&, WorkMesh<Instance>&, cons
                                       Span<std::uint8_t>);
 template RetriangulationReport retriangulate_worst(const Instance&, const EditableMesh<Instance>&, const Criterion&,
                                                    Span<const Index>, const RetriangulationLimits&);
-template ResultOf<Instance, Sum<Size>> move_edited_surface(const Instance&, const EditableMesh<Instance>&,
-                                                           const Coloring<Instance>&);
+template ResultOf<Instance, Sum<Size>> move_edited_surface(const Instance&, WorkMesh<Instance>&, VertexDofs<Instance>&,
+                                                           BoundaryTriangles<Instance>&, const Coloring<Instance>&);
 }  // namespace tetune

@@ -68,7 +68,8 @@ class FlipUntilStable {
     optimizer_.changed.assign(optimizer_.backend, optimizer_.work.dofs.active);
     const Pass pass = measure_pass(Phase::boundary_flips, [this] {
       return boundary_flip_pass(optimizer_.backend, optimizer_.work.mesh, criterion_, optimizer_.work.flips,
-                                optimizer_.work.boundary, {}, optimizer_.changed.output());
+                                optimizer_.work.boundary, optimizer_.work.dofs.checked.view(),
+                                optimizer_.changed.output());
     });
     flips_boundary_ = !pass.gained_little;
     if (pass.flips == 0) clear_changed();

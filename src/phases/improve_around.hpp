@@ -7,7 +7,6 @@
 #include "operators/flips/boundary_flip.hpp"
 #include "operators/flips/face_removal.hpp"
 #include "operators/flips/flip_pass.hpp"
-#include "operators/stars/move_edited_surface.hpp"
 #include "operators/stars/retriangulate.hpp"
 #include "phases/element_selection.hpp"
 #include "phases/optimizer.hpp"
@@ -53,15 +52,6 @@ namespace improve_around_detail {
 inline constexpr Size kMinProposers = 250;
 inline constexpr double kProposingFraction = 4e-3;
 
-template <class Backend>
-EditableMesh<Backend> editable_mesh(Optimizer<Backend>& optimizer) {
-  WorkingSet<Backend>& work = optimizer.work;
-  return {.mesh = work.mesh,
-          .flips = work.flips,
-          .dofs = work.dofs,
-          .boundary = edits_surface(optimizer.options) ? &work.boundary : nullptr};
-}
-
 /// Retriangulates around the listed tetrahedra; adds inserted and removed vertices to `r`, and all other changes as
 /// flips.
 template <class Backend>
@@ -77,7 +67,12 @@ void retriangulate(Optimizer<Backend>& optimizer, const Criterion& criterion, Sp
   }
   limits.max_removed = work.removable;
   const RetriangulationReport changes =
-      retriangulate_worst(optimizer.backend, editable_mesh(optimizer), criterion, tets, limits);
+      retriangulate_worst(optimizer.backend,
+                          EditableMesh<Backend>{.mesh = work.mesh,
+                                                .flips = work.flips,
+                                                .dofs = work.dofs,
+                                                .boundary = edits_surface(options) ? &work.boundary : nullptr},
+                          criterion, tets, limits);
   r.inserted = changes.inserted;
   r.removed = changes.removed;
   r.flips = changes.others;
@@ -98,13 +93,6 @@ Size flip_around_active(Optimizer<Backend>& optimizer, const Criterion& criterio
 }
 
 }  // namespace improve_around_detail
-
-/// Lets vertices of a bounded surface that have drifted move on (move_edited_surface()). Requires rings and colors.
-template <class Backend>
-void renew_drift(Optimizer<Backend>& optimizer) {
-  if (!has_deviation_bound(optimizer.options) || !edits_surface(optimizer.options)) return;
-  move_edited_surface(optimizer.backend, improve_around_detail::editable_mesh(optimizer), optimizer.work.coloring);
-}
 
 /// The limits of a retriangulation. Vertices are inserted and removed at angles whose cost is above `vertex_cost`
 /// (kInfeasible: nowhere). `max_fraction`: a bound on the fraction of the growth of the mesh that retriangulation may
@@ -151,7 +139,6 @@ Improved<Backend> improve_around(Optimizer<Backend>& optimizer, const Criterion&
   flag_images(backend, work.periodic, active);
   auto affected = tets_with_flagged_vertex(backend, work.mesh, Span<const std::uint8_t>(active));
   optimizer.refresh_rings_of_active(affected.span());
-  renew_drift(optimizer);
   const auto swept = optimizer.sweep_once(criterion, SweepScope::selection);
   refresh_energy_of(backend, work.mesh, criterion, work.flips.energies, std::as_const(affected).span());
   return {std::move(affected), swept};

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "energy/mesh_energy.hpp"
+#include "operators/stars/move_edited_surface.hpp"
 #include "phases/progress/phase_timer.hpp"
 #include "phases/progress/progress_reporter.hpp"
 #include "phases/quality_extremes.hpp"
@@ -108,6 +109,10 @@ class Optimizer {
   };
   Swept sweep_once(const Criterion& criterion, SweepScope scope) {
     const RelocationParameters& p = tuning.relocation;
+    // Vertices of a bounded surface that have drifted far can move on afterwards.
+    if (work.dofs.checked.edited_points.size() > 0) {
+      move_edited_surface(backend, work.mesh, work.dofs, work.boundary, work.coloring);
+    }
     const auto sweep_with = [&](const auto& step) {
       Swept swept;
       swept.vertices = sweep<SweepRing<Backend>>(backend, work.mesh, criterion, work.movable_vertices(), step, scope);

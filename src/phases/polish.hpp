@@ -31,7 +31,6 @@ bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const Qua
     const bool ready = optimizer.refresh_rings();
     optimizer.timer.measure(Phase::angles, [&] {
       if (!ready) return;
-      renew_drift(optimizer);
       optimizer.sweep_once(criterion, SweepScope::mesh);
       if (sweep > p.sweeps_with_flips) return;
       optimizer.release_rings();

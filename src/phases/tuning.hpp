@@ -344,8 +344,8 @@ inline bool may_flip_boundary(const Options& options) {
   return options.flips && options.boundary_flips && options.boundary != Boundary::fixed && options.max_ring > 3;
 }
 
-/// Whether alternate() flips edges of the surface. With a bound on the deviation, flips would replace triangles of the
-/// surface that the deviation is measured from.
+/// Whether alternate() flips edges of the surface. With a bound on the deviation it does not: the vertices of flipped
+/// triangles can only drift afterwards (CheckedSurface::is_edited).
 inline bool flips_boundary(const Options& options) {
   return may_flip_boundary(options) && !has_deviation_bound(options);
 }
@@ -355,7 +355,7 @@ inline bool edits_surface_vertices(const Options& options) {
   return edits_vertices(options) && options.surface_vertices != SurfaceVertices::keep;
 }
 
-/// Whether they are, and the phases after alternate() flip edges of the surface.
+/// Whether vertices of the surface are inserted and removed, and its edges flipped in the phases after alternate().
 inline bool edits_surface(const Options& options) {
   return edits_surface_vertices(options) && may_flip_boundary(options);
 }

@@ -301,9 +301,10 @@ bool color_uncolored(const Backend& backend, const ConflictNeighbors& neighbors,
 
 /// Colors the vertices of a mesh. Existing colors remain where they do not conflict, so that few vertices change color
 /// after a few flips. The result does not depend on the number of threads.
-/// With `surface`, vertices of one color are also at least three edges of the surface apart, as the bound on its
-/// deviation reads positions two edges away. Existing colors must have been made with the same `surface`. Vertices for
-/// which there is no color, as more than kMaxColors are all neighbors of each other, get none, and do not move.
+/// With `surface`, vertices of one color are also at least three edges of that surface apart, as the bound on its
+/// deviation reads positions two edges away; inserted vertices are not on it. Existing colors must have been made with
+/// the same `surface`. Vertices for which there is no color, as more than kMaxColors are all neighbors of each other,
+/// get none, and do not move.
 template <class Backend>
 void color_vertices(const Backend& backend, const RingsView& rings, Span<const VertexDof> dof,
                     Coloring<Backend>& coloring, const ReferenceView& surface = {}) {

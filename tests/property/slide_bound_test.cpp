@@ -97,6 +97,24 @@ TEST(Slide, EditsOfTheSurfaceKeepToTheBoundBothWays) {
   EXPECT_GT(largest, 0.3);
 }
 
+TEST(Slide, EditsWithinABoundAreTheSameForAnyNumberOfThreads) {
+  // With more vertices of a color on the surface than one thread takes at a time.
+  const TetMesh before = test::waved(test::cube(test::kSanitized ? 6 : 18, 0.2, 3), 3);
+  Options options;
+  options.boundary = Boundary::slide;
+  options.effort = Effort::best;
+  options.max_deviation = 5e-3;
+  options.restarts = 0;
+  options.threads = 1;
+  TetMesh one = before;
+  EXPECT_GT(optimize(one, options).boundary_flips, test::kSanitized ? 0 : 100);
+  options.threads = 3;
+  TetMesh three = before;
+  optimize(three, options);
+  EXPECT_EQ(one.points, three.points);
+  EXPECT_EQ(one.tets, three.tets);
+}
+
 /// A box of random sides, bent by waves.
 TetMesh bent_box(std::mt19937& random) {
   const auto between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };

@@ -39,13 +39,11 @@ class Edited {
     Coloring<Cpu> coloring;
     coloring.vertices.upload(cpu_, {vertex});
     coloring.first = {0, 1};
-    return move_edited_surface(cpu_, EditableMesh<Cpu>{work.mesh, work.flips, work.dofs, &work.boundary}, coloring)
-        .get()
-        .value;
+    return move_edited_surface(cpu_, work.mesh, work.dofs, work.boundary, coloring).get().value;
   }
   Vec3 position() { return vec(work.mesh.points.span()[vertex]); }
   double distance() { return norm(position() - vec(work.dofs.checked.edited_points.span()[vertex])); }
-  std::uint8_t& stays(Index v) { return work.dofs.checked.stays.span()[v]; }
+  std::uint8_t& stays(Index v) { return work.dofs.checked.is_edited.span()[v]; }
 
   WorkingSet<Cpu> work;
   Index vertex = 0;

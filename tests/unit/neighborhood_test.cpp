@@ -51,9 +51,9 @@ double drift_of(const HostWork& mesh) {
 void expect_edited_as_checked(const HostWork& mesh) {
   const CheckedSurfaceOnHost& checked = mesh.checked;
   ASSERT_EQ(checked.edited_points.size(), checked.points.size());
-  ASSERT_EQ(checked.stays.size(), checked.points.size());
+  ASSERT_EQ(checked.is_edited.size(), checked.points.size());
   for (Size v = 0; v < std::ssize(checked.points); ++v) {
-    if (span_of(checked.stays)[v] != 0) continue;
+    if (span_of(checked.is_edited)[v] != 0) continue;
     EXPECT_EQ(norm(vec(span_of(checked.edited_points)[v]) - vec(span_of(checked.points)[v])), 0);
     EXPECT_NE(span_of(mesh.vertex2original)[v], kInserted);
   }
@@ -109,6 +109,8 @@ void expect_same(const HostWork& a, const HostWork& b) {
   EXPECT_TRUE(same_bytes(a.displacement_bound, b.displacement_bound));
   EXPECT_TRUE(same_bytes(a.checked.points, b.checked.points));
   EXPECT_TRUE(same_bytes(a.checked.surface_points, b.checked.surface_points));
+  EXPECT_EQ(a.checked.is_edited, b.checked.is_edited);
+  EXPECT_TRUE(same_bytes(a.checked.edited_points, b.checked.edited_points));
   EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
   EXPECT_EQ(a.constrained_vertex, b.constrained_vertex);
 }

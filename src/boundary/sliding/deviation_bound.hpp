@@ -9,27 +9,27 @@ namespace tetune {
 
 /// The bound on the distance between the mesh's surface and the reference surface, for moves of one vertex.
 ///
-/// VertexDeviation is applied to the *checked surface*. It has the triangles of the mesh's surface, and each vertex of
-/// the mesh's surface is at most a share of the bound, its drift, away from its position there. The map from triangle
-/// to triangle moves no point farther than that, so the distance of the two surfaces is at most the drift in both
-/// directions, and that of the mesh's surface from the reference at most the drift more than what was tested. Thus a
-/// vertex that stays within the drift of its checked position needs no test. It may move beyond that if the test, with
-/// the rest of the bound, allows the checked surface to have it there.
+/// VertexDeviation is applied to the *checked surface*. It has the triangles of the reference surface. Where these are
+/// also those of the mesh's surface, each vertex of the mesh is at most a share of the bound, its drift, away from its
+/// position there. The map from triangle to triangle moves no point farther than that, so the distance of the two
+/// surfaces is at most the drift in both directions, and that of the mesh's surface from the reference at most the
+/// drift more than what was tested. Thus a vertex that stays within the drift of its checked position needs no test. It
+/// may move beyond that if the test, with the rest of the bound, allows the checked surface to have it there.
 ///
 /// Operations that change the triangles of the mesh's surface change those of a copy of the checked surface, the
 /// *edited surface*, and bound the distance between the two (BendLimit). The vertices of such triangles keep their
-/// checked positions, so that this bound holds while others move, and may drift alone, from the edited surface
-/// (CheckedSurface::stays).
+/// checked positions, so that this bound holds while others move, and can only drift, from the edited surface
+/// (CheckedSurface::is_edited).
 template <class Pack>
 class DeviationBound {
  public:
   /// `checked`: the vertex in the checked surface, with the whole bound as limit, and `position` its position there; or
-  /// that in the edited surface, where the vertex `stays`.
-  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& position, bool stays = false,
+  /// that in the edited surface, if the vertex is marked (CheckedSurface::is_edited).
+  TETUNE_HD DeviationBound(const DeviationInput& checked, const Vec3& position, bool is_edited = false,
                            double drift_share = kDriftShare)
       : test_({checked.ref, checked.points, checked.surface_points, checked.vertex, (1 - drift_share) * checked.limit}),
         bounded_(checked.limit > 0),
-        stays_(stays),
+        is_edited_(is_edited),
         max_drift_(drift_share * checked.limit),
         position_(position) {}
 
@@ -39,7 +39,7 @@ class DeviationBound {
     if (!bounded_) return true;
     const Vec3 drift = x - position_;
     if (dot(drift, drift) <= max_drift_ * max_drift_) return true;
-    if (stays_ || !test_.allows(position_, x, on)) return false;
+    if (is_edited_ || !test_.allows(position_, x, on)) return false;
     position_ = x;
     surface_point_ = on;
     has_moved_ = true;
@@ -57,7 +57,7 @@ class DeviationBound {
  private:
   VertexDeviation<Pack> test_;
   bool bounded_;
-  bool stays_;
+  bool is_edited_;
   bool has_moved_ = false;
   double max_drift_;
   Vec3 position_;
@@ -72,7 +72,7 @@ TETUNE_HD DeviationBound<Pack> deviation_bound(const DofsView& dofs, const Team&
   if (!(dofs.max_deviation > 0)) return {input, Vec3{}};
   const bool edits = checked.edited_points.size() > 0;
   return {input, vec(backend::read_once(team, edits ? checked.edited_points[v] : checked.points[v])),
-          edits && backend::read_once(team, checked.stays[v]) != 0};
+          edits && backend::read_once(team, checked.is_edited[v]) != 0};
 }
 
 }  // namespace tetune

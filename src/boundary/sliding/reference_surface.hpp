@@ -62,15 +62,15 @@ struct ReferenceView {
 struct CheckedSurfaceView {
   Span<Point> points;                 ///< per vertex
   Span<SurfacePoint> surface_points;  ///< and their surface points
-  Span<std::uint8_t> stays;           ///< see CheckedSurface, as the next
-  Span<Point> edited_points;
+  Span<std::uint8_t> is_edited;       ///< see CheckedSurface
+  Span<Point> edited_points;          ///< see CheckedSurface
 };
 
 /// The checked surface in the host's memory.
 struct CheckedSurfaceOnHost {
   std::vector<Point> points;
   std::vector<SurfacePoint> surface_points;
-  std::vector<std::uint8_t> stays;
+  std::vector<std::uint8_t> is_edited;
   std::vector<Point> edited_points;
 };
 
@@ -80,28 +80,29 @@ struct CheckedSurface {
   BufferOf<Backend, Point> points;
   BufferOf<Backend, SurfacePoint> surface_points;
   /// Per vertex: 1 where an operation has changed the triangles of the mesh's surface at it, so that they are no longer
-  /// those of the reference surface. The checked position stays.
-  BufferOf<Backend, std::uint8_t> stays;
-  /// The positions in the edited surface, which has the triangles of the mesh's surface. Where a vertex does not stay,
-  /// that in the checked surface.
+  /// those of the reference surface. The checked position does not change any more. Empty, as the next, where no
+  /// operation changes the surface.
+  BufferOf<Backend, std::uint8_t> is_edited;
+  /// The positions in the edited surface, which has the triangles of the mesh's surface; those in the checked surface
+  /// for vertices that are not marked.
   BufferOf<Backend, Point> edited_points;
 
   void assign(const Backend& backend, const CheckedSurface& from) {
     points.assign(backend, from.points);
     surface_points.assign(backend, from.surface_points);
-    stays.assign(backend, from.stays);
+    is_edited.assign(backend, from.is_edited);
     edited_points.assign(backend, from.edited_points);
   }
   void upload(const Backend& backend, const CheckedSurfaceOnHost& from) {
     points.upload(backend, from.points);
     surface_points.upload(backend, from.surface_points);
-    stays.upload(backend, from.stays);
+    is_edited.upload(backend, from.is_edited);
     edited_points.upload(backend, from.edited_points);
   }
   CheckedSurfaceOnHost download() const {
-    return {points.download(), surface_points.download(), stays.download(), edited_points.download()};
+    return {points.download(), surface_points.download(), is_edited.download(), edited_points.download()};
   }
-  CheckedSurfaceView view() { return {points, surface_points, stays, edited_points}; }
+  CheckedSurfaceView view() { return {points, surface_points, is_edited, edited_points}; }
 };
 
 /// The reference surface in the host's memory.

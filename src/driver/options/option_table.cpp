@@ -110,7 +110,7 @@ constexpr std::array kBoundaryFlipConditions{
                     "has no effect with boundary=fixed"},
     kWithoutFlips,
     OptionCondition{[](const Options& o) { return has_deviation_bound(o) && !edits_surface_vertices(o); },
-                    "has no effect with max_deviation where the vertices of the surface stay"},
+                    "has no effect with max_deviation where no vertices of the surface are inserted or removed"},
     OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
 constexpr OptionCondition kWithHarmonic{[](const Options& o) { return o.energy == Energy::harmonic; },
                                         "has no effect with energy=harmonic"};

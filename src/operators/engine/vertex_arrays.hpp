@@ -38,7 +38,7 @@ struct VertexArrays {
     }
     if (checked.edited_points.size() > 0) {
       checked.edited_points[v] = point(x);
-      checked.stays[v] = 1;
+      checked.is_edited[v] = 1;
     }
     constrained_vertex[v] = 0;
   }

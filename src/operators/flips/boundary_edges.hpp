@@ -90,11 +90,11 @@ struct FindEdge {
     if (t.stays == kStays || t.stays != u.stays || !in_one_patch(t, u)) return false;
     const bool may_bend = flips_bend && !is_paired(e);
     if (flips_bend && !may_bend && is_feature_edge(t, e.a, e.b)) return false;
-    return (may_bend || is_flat(e)) && (!has_deviation(e) || deviation_after(e) < kInfeasible) && !is_edge(e.p, e.q);
+    return (may_bend || is_flat(e)) && (!adds_deviation(e) || deviation_after(e) < kInfeasible) && !is_edge(e.p, e.q);
   }
   /// Whether a flip adds to the deviation of its triangles. Triangles that are coplanar need not be so in the edited
   /// surface.
-  TETUNE_HD bool has_deviation(const BoundaryEdge& e) const {
+  TETUNE_HD bool adds_deviation(const BoundaryEdge& e) const {
     return (flips_bend || limit.is_bounded()) && !is_paired(e);
   }
 

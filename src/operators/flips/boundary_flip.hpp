@@ -2,6 +2,7 @@
 #pragma once
 
 #include "boundary/boundary_triangles.hpp"
+#include "boundary/sliding/reference_surface.hpp"
 #include "operators/engine/flip_state.hpp"
 
 /// Flips of boundary edges between two triangles of one patch, which are coplanar unless flips may bend the

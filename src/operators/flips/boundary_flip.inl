@@ -123,7 +123,7 @@ struct FlipTriangles {
   Span<const Record<FlipCandidate>> records;
   Span<const Index> selected;
   Span<BoundaryTriangle> triangles;
-  Span<std::uint8_t> stays;
+  Span<std::uint8_t> is_edited;
   TETUNE_HD void operator()(Size i) const {
     const Record<FlipCandidate>& r = records[selected[i]];
     if (!r.is_leader(selected[i])) return;
@@ -135,8 +135,8 @@ struct FlipTriangles {
   TETUNE_HD void flip(const BoundaryEdge& e) const {
     BoundaryTriangle& triangle = triangles[e.triangle];
     BoundaryTriangle& other = triangles[e.other];
-    keep_checked(triangle, stays);
-    keep_checked(other, stays);
+    mark_edited(triangle, is_edited);
+    mark_edited(other, is_edited);
     int a = 0;
     while (other.v[a] != e.a) ++a;
     // Triangles of an interface may have different orientations.
@@ -147,7 +147,7 @@ struct FlipTriangles {
         bit(is_feature_edge(triangle, e.p, e.a), 1) | bit(is_feature_edge(other, e.a, e.q), 2);
     const unsigned second_features =
         bit(is_feature_edge(triangle, e.b, e.p), 0) | bit(is_feature_edge(other, e.q, e.b), is_same ? 2 : 1);
-    if (find.has_deviation(e)) triangle.deviation = other.deviation = find.deviation_after(e);
+    if (find.adds_deviation(e)) triangle.deviation = other.deviation = find.deviation_after(e);
     triangle.features = first_features;
     other.features = second_features;
     for (int k = 0; k < 3; ++k) {
@@ -213,7 +213,7 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   result.active = count;
   backend.for_each(selection.size(),
                    FlipTriangles{find, edges.span(), images.span(), selection.records.span(), selection.selected.span(),
-                                 boundary.triangles.span(), checked.stays});
+                                 boundary.triangles.span(), checked.is_edited});
   boundary.stale = true;
   return result;
 }

@@ -8,10 +8,14 @@
 namespace tetune {
 namespace move_edited_surface_detail {
 
+/// Vertices move whose drift is more than this part of what is allowed.
+inline constexpr double kMinDrift = 0.5;
+
 struct MoveEdited {
   static constexpr Size kGrain = 32;
   Span<const Point> points;
   Span<const VertexDof> dof;
+  Span<const std::uint8_t> active;
   CheckedSurfaceView checked;
   Span<BoundaryTriangle> triangles;
   CsrView vertex2corner;
@@ -21,7 +25,7 @@ struct MoveEdited {
 
   TETUNE_HD Sum<Size> operator()(Size i) const {
     const Index v = vertices[i];
-    if (dof[v] != VertexDof::surface || checked.stays[v] == 0) return {};
+    if (active[v] == 0 || dof[v] != VertexDof::surface || checked.is_edited[v] == 0) return {};
     const Vec3 x = vec(points[v]);
     const Vec3 drift = x - vec(checked.edited_points[v]);
     ReplacedTriangles at;
@@ -30,7 +34,7 @@ struct MoveEdited {
     if (!(deviation < kInfeasible)) return {};
     for (int k = 0; k < at.count; ++k) {
       triangles[at.triangle[k]].deviation = deviation;
-      keep_checked(triangles[at.triangle[k]], checked.stays);
+      mark_edited(triangles[at.triangle[k]], checked.is_edited);
     }
     checked.edited_points[v] = points[v];
     return {1};
@@ -51,21 +55,21 @@ struct MoveEdited {
 }  // namespace move_edited_surface_detail
 
 template <class Backend>
-ResultOf<Backend, Sum<Size>> move_edited_surface(const Backend& backend, const EditableMesh<Backend>& editable,
+ResultOf<Backend, Sum<Size>> move_edited_surface(const Backend& backend, WorkMesh<Backend>& mesh,
+                                                 VertexDofs<Backend>& dofs, BoundaryTriangles<Backend>& boundary,
                                                  const Coloring<Backend>& coloring) {
   using namespace move_edited_surface_detail;
-  BoundaryTriangles<Backend>& boundary = *editable.boundary;
-  VertexDofs<Backend>& dofs = editable.dofs;
-  list_corners(backend, editable.mesh, boundary);
+  list_corners(backend, mesh, boundary);
   const CheckedSurfaceView checked = dofs.checked.view();
   return reduce_colors<Sum<Size>>(backend, coloring,
-                                  MoveEdited{.points = editable.mesh.points.span(),
+                                  MoveEdited{.points = mesh.points.span(),
                                              .dof = dofs.dof.span(),
+                                             .active = dofs.active.span(),
                                              .checked = checked,
                                              .triangles = boundary.triangles.span(),
                                              .vertex2corner = boundary.vertex2corner.view(),
                                              .limit = {boundary.max_bend, checked.edited_points},
-                                             .min_drift = 0.5 * kDriftShare * dofs.max_deviation});
+                                             .min_drift = kMinDrift * kDriftShare * dofs.max_deviation});
 }
 
 }  // namespace tetune

@@ -49,7 +49,7 @@ VertexArrays grow_vertices(const Backend& backend, const EditableMesh<Backend>& 
   }
   if (dofs.checked.edited_points.size() > 0) {
     dofs.checked.edited_points.grow(backend, count);
-    dofs.checked.stays.grow(backend, count);
+    dofs.checked.is_edited.grow(backend, count);
   }
   return {mesh.vertex2original.span(),
           dofs.dof.span(),
@@ -139,7 +139,7 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
   const VertexArrays vertices = grow_vertices(backend, editable, mesh.vertices() + total.inserted);
   apply_selection(backend, mesh, criterion, flips, selection,
                   ApplicationOutput{.changed = dofs.active.span(), .vertices = vertices});
-  if (boundary != nullptr) replace_triangles(backend, selection, dofs.checked.stays.span(), *boundary);
+  if (boundary != nullptr) replace_triangles(backend, selection, dofs.checked.is_edited.span(), *boundary);
   return {total.inserted, total.removed, selection.size() - total.inserted - total.removed};
 }
 

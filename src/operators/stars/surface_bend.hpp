@@ -43,8 +43,7 @@ class SurfaceBend {
   }
 
  private:
-  /// The part of the limit that motions may use up: operations need the rest (docs/benchmarks/peers.md, "With a bound
-  /// on the deviation").
+  /// The part of the limit that motions may use up: operations need the rest.
   static constexpr double kMotionShare = 0.5;
   static_assert(kMaxStarTriangles <= OpenFan::kMaxEdges);
 

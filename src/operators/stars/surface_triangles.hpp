@@ -79,10 +79,10 @@ struct ReplaceTriangles {
   Span<const ChangeCounts> before;
   Span<BoundaryTriangle> triangles;
   Size old_count;
-  Span<std::uint8_t> stays;
+  Span<std::uint8_t> is_edited;
   TETUNE_HD void operator()(Size i) const {
     const StarPatch& patch = records[selected[i]].patch;
-    for (int k = 0; k < patch.replaced.count; ++k) keep_checked(triangles[patch.replaced.triangle[k]], stays);
+    for (int k = 0; k < patch.replaced.count; ++k) mark_edited(triangles[patch.replaced.triangle[k]], is_edited);
     const int size = patch.simplex.size;
     unsigned features[3 * kMaxStarTriangles];
     for (int n = 0; n < patch.replaced.count * size; ++n) features[n] = new_features(patch, n / size, n % size);
@@ -135,9 +135,9 @@ struct CopyTriangles {
 
 }  // namespace surface_triangles_detail
 
-/// Updates the boundary triangles after the application of a selection. `stays`: CheckedSurface::stays.
+/// Updates the boundary triangles after the application of a selection. `is_edited`: CheckedSurface::is_edited.
 template <class Backend>
-void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& selection, Span<std::uint8_t> stays,
+void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& selection, Span<std::uint8_t> is_edited,
                        BoundaryTriangles<Backend>& boundary) {
   using namespace surface_triangles_detail;
   const Size old_count = boundary.triangles.size();
@@ -145,7 +145,7 @@ void replace_triangles(const Backend& backend, Selection<Backend, StarPatch>& se
   boundary.triangles.grow(backend, old_count + selection.total.triangles);
   backend.for_each(selection.size(),
                    ReplaceTriangles{selection.records.span(), selection.selected.span(), selection.before.span(),
-                                    boundary.triangles.span(), old_count, stays});
+                                    boundary.triangles.span(), old_count, is_edited});
   const Size count = boundary.triangles.size();
   BufferOf<Backend, Index> kept(backend, count);
   const Size present = backend.compact(count, IsPresent{boundary.triangles.span()}, kept.span());

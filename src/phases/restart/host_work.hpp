@@ -58,7 +58,7 @@ struct HostWork : MeshSnapshot {
     f(host.displacement_bound, work.dofs.displacement_bound);
     f(host.checked.points, work.dofs.checked.points);
     f(host.checked.surface_points, work.dofs.checked.surface_points);
-    f(host.checked.stays, work.dofs.checked.stays);
+    f(host.checked.is_edited, work.dofs.checked.is_edited);
     f(host.checked.edited_points, work.dofs.checked.edited_points);
     f(host.constrained_vertex, work.flips.constrained_vertex);
   }

@@ -84,7 +84,10 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
   NearReference near(whole.reference);
   for (const Index v : vertex2whole_) {
     near.add(span_of(whole.surface_point)[v]);
-    if (!whole.checked.points.empty()) near.add(span_of(whole.checked.surface_points)[v]);
+    if (whole.checked.points.empty()) continue;
+    near.add(span_of(whole.checked.surface_points)[v]);
+    // The bound is tested on all triangles of the reference surface at v.
+    if (v < std::ssize(whole.reference.points)) near.add({SurfacePointKind::vertex, v});
   }
   if (whole.bends) {
     for (const Index i : triangles_inside(whole, triangles)) near.add_triangle(span_of(whole.triangles)[i].reference);
@@ -259,9 +262,9 @@ void Neighborhood::put_vertices(HostWork& whole) {
     }
   });
   // Triangles at vertices that do not move may have changed as well.
-  for (Size v = 0; v < work.dofs.checked.stays.size(); ++v) {
+  for (Size v = 0; v < work.dofs.checked.is_edited.size(); ++v) {
     const Index to = span_of(vertex2whole_)[v];
-    if (to >= 0 && work.dofs.checked.stays.span()[v] != 0) span_of(whole.checked.stays)[to] = 1;
+    if (to >= 0 && work.dofs.checked.is_edited.span()[v] != 0) span_of(whole.checked.is_edited)[to] = 1;
   }
 }
 

@@ -81,6 +81,14 @@ bool NeighborhoodFinder::touches(const std::vector<std::uint8_t>& flags) const {
   });
 }
 
+bool NeighborhoodFinder::has_vertex_of(const std::vector<std::uint8_t>& flags) const {
+  return std::any_of(vertices_.begin(), vertices_.end(), [&](Index v) { return span_of(flags)[v] != 0; });
+}
+
+void NeighborhoodFinder::flag_vertices(std::vector<std::uint8_t>& flags) const {
+  for (const Index v : vertices_) span_of(flags)[v] = 1;
+}
+
 FoundTets NeighborhoodFinder::found() const {
   FoundTets found{tets_, {}};
   found.vertices.reserve(vertices_.size());

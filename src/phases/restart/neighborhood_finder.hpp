@@ -37,6 +37,10 @@ class NeighborhoodFinder {
   const std::vector<Index>& tets() const { return tets_; }
   /// Whether one of the tetrahedra that find() has found, or of the neighbors across their faces, is flagged.
   bool touches(const std::vector<std::uint8_t>& flags) const;
+  /// Whether a vertex of the tetrahedra that find() has found is flagged.
+  bool has_vertex_of(const std::vector<std::uint8_t>& flags) const;
+  /// Flags these vertices.
+  void flag_vertices(std::vector<std::uint8_t>& flags) const;
   /// The tetrahedra that find() has found, and their vertices; the ring of those of the first tetrahedron is 0.
   FoundTets found() const;
 

@@ -238,6 +238,9 @@ std::vector<std::unique_ptr<RestartSearch::RestartSpot>> RestartSearch::choose()
   const auto is_tied_with_first = [&](Index t) { return is_tied(t, worst.front()); };
   if (std::count_if(worst.begin(), worst.end(), is_tied_with_first) > p_.max_worst) return spots;
   std::vector<std::uint8_t> is_taken(whole_.tet2vertex.size(), 0);
+  // With a bound on the deviation they have no vertex in common either: a test beside a common edge of the surface
+  // would read what the other neighborhood changes. Without one no vertex is flagged.
+  std::vector<std::uint8_t> is_of_taken(whole_.points.size(), 0);
   int tried = 0;
   for (const Index slot : worst) {
     if (span_of(is_taken)[slot] != 0) continue;
@@ -249,8 +252,9 @@ std::vector<std::unique_ptr<RestartSearch::RestartSpot>> RestartSearch::choose()
     };
     const auto widest = std::max_element(first, last, [](const auto& a, const auto& b) { return a.rings < b.rings; });
     finder_.find(slot, rings_of(*widest));
-    if (finder_.touches(is_taken)) continue;
+    if (finder_.touches(is_taken) || finder_.has_vertex_of(is_of_taken)) continue;
     for (const Index t : finder_.tets()) span_of(is_taken)[t] = 1;
+    if (whole_.max_deviation > 0) finder_.flag_vertices(is_of_taken);
     auto spot = std::make_unique<RestartSpot>();
     int rings_found = rings_of(*widest);
     for (auto perturbation = first; perturbation != last; ++perturbation) {
