@@ -43,7 +43,7 @@ class Edited {
   }
   Vec3 position() { return vec(work.mesh.points.span()[vertex]); }
   double distance() { return norm(position() - vec(work.dofs.checked.edited_points.span()[vertex])); }
-  std::uint8_t& stays(Index v) { return work.dofs.checked.is_edited.span()[v]; }
+  std::uint8_t& is_edited(Index v) { return work.dofs.checked.is_edited.span()[v]; }
 
   WorkingSet<Cpu> work;
   Index vertex = 0;
@@ -58,12 +58,12 @@ TEST(MoveEditedSurface, CostsNothingInAPlane) {
   Edited edited(test::cube(3), 0.1);
   edited.drift(0.4);
   EXPECT_EQ(edited.move(), 0);  // its triangles have not changed
-  edited.stays(edited.vertex) = 1;
+  edited.is_edited(edited.vertex) = 1;
   EXPECT_EQ(edited.move(), 1);
   EXPECT_EQ(edited.distance(), 0);
   for (const Size t : edited.around) {
     EXPECT_LT(edited.triangle(t).deviation, 1e-15);
-    for (const Index v : edited.triangle(t).v) EXPECT_EQ(edited.stays(v), 1);
+    for (const Index v : edited.triangle(t).v) EXPECT_EQ(edited.is_edited(v), 1);
   }
   EXPECT_EQ(edited.move(), 0);  // it has not drifted
   edited.drift(0.01);
@@ -72,7 +72,7 @@ TEST(MoveEditedSurface, CostsNothingInAPlane) {
 
 TEST(MoveEditedSurface, AddsToTheDeviationOfACurvedSurface) {
   Edited edited(test::ball(4), 0.2);
-  edited.stays(edited.vertex) = 1;
+  edited.is_edited(edited.vertex) = 1;
   edited.triangle(edited.around.front()).deviation = 1e-3;
   edited.drift(0.1);
   EXPECT_EQ(edited.move(), 1);
@@ -85,7 +85,7 @@ TEST(MoveEditedSurface, AddsToTheDeviationOfACurvedSurface) {
 
 TEST(MoveEditedSurface, StaysWhereItWouldBendTooFar) {
   Edited edited(test::ball(4), 1e-3);
-  edited.stays(edited.vertex) = 1;
+  edited.is_edited(edited.vertex) = 1;
   edited.drift(0.4);
   EXPECT_EQ(edited.move(), 0);
   EXPECT_GT(edited.distance(), 0);
