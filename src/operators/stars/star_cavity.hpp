@@ -52,18 +52,19 @@ class StarCavity : StarShape {
       return find_faces();
     });
   }
-  /// Takes all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too.
+  /// Takes all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too. Returns
+  /// false also where they are more than `max_tets`, as does the next one.
   template <class Team>
-  TETUNE_HD bool take_surface(Index t, const SurfaceSimplex& simplex, const Team& team) {
-    return try_change(team, [&] { return add_surface(t, simplex) && find_faces(); });
+  TETUNE_HD bool take_surface(Index t, const SurfaceSimplex& simplex, int max_tets, const Team& team) {
+    return try_change(team, [&] { return add_surface(t, simplex, max_tets) && find_faces(); });
   }
   /// Takes all tetrahedra around a vertex of t that is on no surface.
   template <class Team>
-  TETUNE_HD bool take_vertex(Index t, int corner, const Team& team) {
+  TETUNE_HD bool take_vertex(Index t, int corner, int max_tets, const Team& team) {
     return try_change(team, [&] {
       const Index v = mesh_.tet2vertex[t][corner];
       arrays_.tets.add(t);
-      return add_all_around(v) && find_faces(v);
+      return add_all_around(v, max_tets) && find_faces(v);
     });
   }
   /// Takes all tetrahedra around a vertex of the cavity, in addition to those it has.
@@ -182,6 +183,13 @@ class StarCavity : StarShape {
     if (motion_.slides()) return x;
     RingOfTeam<Team> ring(mesh_.objective, mesh_.points, arrays_.faces, arrays_.face_count);
     return NewtonStep{1, kMinGain}(ring, x, motion_.free.space).position;
+  }
+  /// The sum of the energies with a new vertex at x; kInfeasible where a volume is not certified positive.
+  template <class Team>
+  TETUNE_HD TETUNE_OUTLINE double energy_after(const Vec3& x, const Team&) const {
+    RingOfTeam<Team> ring(mesh_.objective, mesh_.points, arrays_.faces, arrays_.face_count);
+    const RingValue v = ring.value(x);
+    return v.certified ? v.value : kInfeasible;
   }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.
   template <class Team>

@@ -19,6 +19,11 @@ inline constexpr double kScreenRatio = 1.4;
 /// is at most this many times what it was.
 inline constexpr double kReachRatio = 4;
 
+/// Where the mean energy must fall, the cavity of a new vertex grows only if the energy beyond the mean has risen by at
+/// most this part of the energy before: growth hardly ever makes up for more (docs/benchmarks/cpu.md, "Which vertices
+/// are removed").
+inline constexpr double kMaxRiseForMean = 0.4;
+
 /// The largest costs in a cavity before and after its retriangulation from a vertex that moves.
 struct MoveCosts {
   double first_before = 0, first_after = kInfeasible;  ///< before the cavity is enlarged
@@ -121,6 +126,14 @@ struct StarProposal : StarContext {
     return star.grow_below(apex, x, (1 - min_gain) * cost_before(star), team);
   }
 
+  /// Moves a new vertex to where the energy is lower, and enlarges the cavity while that lowers the energy. Returns
+  /// false where the mean energy must fall and has no prospect to.
+  TETUNE_HD bool relax_new_vertex(StarCavity& star, Vec3& x) const {
+    x = star.relax(x, team);
+    if (lowers_mean() && !is_promising(star, x)) return false;
+    x = star.relax_and_grow(x, team);
+    return true;
+  }
   /// Moves a new vertex to where the largest cost is lower than before. Where there is no such place, enlarges the
   /// cavity and moves the vertex once more. Returns false where that fails too. Where the mean energy must fall, the
   /// vertex is in its place already.
@@ -178,6 +191,12 @@ struct StarProposal : StarContext {
   }
 
  private:
+  /// Whether the mean energy may fall by growth of the cavity around a new vertex at x.
+  TETUNE_HD bool is_promising(const StarCavity& star, const Vec3& x) const {
+    const double before = energy_above_mean(star);
+    const double after = star.energy_after(x, team) - star.face_count() * mean_energy;
+    return after - before <= kMaxRiseForMean * (before + star.tet_count() * mean_energy);
+  }
   /// By how much energy_above_mean() falls from `before`; not above `limit` where that is not above it.
   TETUNE_HD double energy_gain(const StarCavity& star, double before, const StarCandidate& c, double limit) const {
     double gain = before;

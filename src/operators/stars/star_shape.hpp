@@ -49,8 +49,9 @@ class StarShape {
     }
     return true;
   }
-  /// Adds all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too.
-  TETUNE_HD TETUNE_OUTLINE bool add_surface(Index t, const SurfaceSimplex& simplex) {
+  /// Adds all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too; at most
+  /// `max_tets`, as the next one.
+  TETUNE_HD TETUNE_OUTLINE bool add_surface(Index t, const SurfaceSimplex& simplex, int max_tets) {
     arrays_.simplex = simplex;
     arrays_.tets.add(t);
     for (int i = 0; i < arrays_.tets.size(); ++i) {
@@ -59,7 +60,7 @@ class StarShape {
         if (!simplex.is_on_face(tet, f)) continue;
         const HalfFace across = mesh_.tet2tet[arrays_.tets[i]][f];
         if (across != kNoHalfFace && !arrays_.tets.contains(tet_of(across))) {
-          if (arrays_.tets.is_full()) return false;
+          if (arrays_.tets.size() == max_tets) return false;
           arrays_.tets.add(tet_of(across));
         }
         if (!lists_locked_face(arrays_.tets[i], across)) continue;
@@ -70,7 +71,7 @@ class StarShape {
     return arrays_.base_count > 0;
   }
   /// Adds all tetrahedra around a vertex of the cavity.
-  TETUNE_HD TETUNE_OUTLINE bool add_all_around(Index v) {
+  TETUNE_HD TETUNE_OUTLINE bool add_all_around(Index v, int max_tets = kMaxStarTets) {
     for (int i = 0; i < arrays_.tets.size(); ++i) {
       const Tet tet = mesh_.tet2vertex[arrays_.tets[i]];
       if (tet[local_index(tet, v)] != v) continue;
@@ -79,7 +80,7 @@ class StarShape {
         if (tet[f] == v) continue;
         if (is_locked(links[f])) return false;
         if (arrays_.tets.contains(tet_of(links[f]))) continue;
-        if (arrays_.tets.is_full()) return false;
+        if (arrays_.tets.size() == max_tets) return false;
         arrays_.tets.add(tet_of(links[f]));
       }
     }

@@ -32,13 +32,15 @@ struct SurfaceInsertion {
     }
     StarCavity star = p.cavity();
     ReplacedTriangles replaced;
-    if (!star.take_surface(t, simplex, p.team) || !p.surface.find_replaced(star, simplex, replaced)) return;
+    if (!star.take_surface(t, simplex, kMaxStarTets, p.team) || p.is_shared_with_earlier(star, t) ||
+        !p.surface.find_replaced(star, simplex, replaced)) {
+      return;
+    }
     NewVertexDof dof =
         p.surface.bends ? place_on_reference(p, replaced, simplex, x) : find_dof(p, star, replaced, simplex);
     if (dof.dof == VertexDof::fixed) return;
     star.restrict_apex(dof, p.surface.reference);
-    x = star.relax_and_grow(star.relax(x, p.team), p.team);
-    if (!p.place_new_vertex(star, x)) return;
+    if (!p.relax_new_vertex(star, x) || !p.place_new_vertex(star, x)) return;
     if (p.surface.bends) {
       dof.surface_point = star.surface_point();
       replaced.deviation =

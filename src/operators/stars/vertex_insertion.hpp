@@ -22,8 +22,8 @@ struct VertexInsertion {
     if (!star.take_edge(t, choice, p.team) || p.is_shared_with_earlier(star, t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const EdgeCorners e = edge_corners(choice);
-    const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
-    insert(p, star, star.relax_and_grow(star.relax(middle, p.team), p.team));
+    Vec3 x = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
+    if (p.relax_new_vertex(star, x)) insert(p, star, x);
   }
 
  private:
