@@ -12,11 +12,13 @@
 namespace tetune {
 namespace boundary_flip_detail {
 
-/// Finds each triangle in the mesh; of one with tetrahedra on both sides, the lower of the two faces.
+/// Finds the triangles with a flagged vertex in the mesh, or all of them where there are no flags; of one with
+/// tetrahedra on both sides, the lower of the two faces.
 struct FindFaces {
   MeshView mesh;
   Span<const BoundaryTriangle> triangles;
   CsrView vertex2corner;
+  Span<const std::uint8_t> flags;
   Span<Index> triangle2face;
   TETUNE_HD void operator()(Size t) const {
     const FaceAdjacency links = mesh.tet2tet[t];
@@ -25,6 +27,7 @@ struct FindFaces {
     for (int f = 0; f < 4; ++f) {
       if (!lists_locked_face(to_index(t), links[f])) continue;
       const Index v[3] = {tet[face_vertex(f, 0)], tet[face_vertex(f, 1)], tet[face_vertex(f, 2)]};
+      if (flags.size() > 0 && (flags[v[0]] | flags[v[1]] | flags[v[2]]) == 0) continue;
       const Index triangle = find_triangle(triangles, vertex2corner, v);
       if (triangle >= 0) triangle2face[triangle] = to_index(4 * t + f);
     }
@@ -209,7 +212,14 @@ struct MarkEdge {
     return image.other >= 0 && leads(e, image) && find.is_paired(image) && find.is_candidate(image) &&
            (changed[e.a] | changed[e.b] | changed[image.a] | changed[image.b]) != 0;
   }
+  /// Whether an end of the edge opposite a corner is flagged, or the edge may have a periodic image.
+  TETUNE_HD bool may_have_changed(Size corner) const {
+    const BoundaryTriangle& t = find.triangles[corner / 3];
+    const Size k = corner % 3;
+    return t.stays == kFlipsWithImage || (changed[t.v[(k + 1) % 3]] | changed[t.v[(k + 2) % 3]]) != 0;
+  }
   TETUNE_HD bool is_promising(Size corner) const {
+    if (!may_have_changed(corner)) return false;
     const double cot = find.cot(corner);
     if (!(2 * cot < kMaxCotSum)) return false;
     const BoundaryEdge e = find(corner);

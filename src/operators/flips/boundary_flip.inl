@@ -169,12 +169,15 @@ auto find_corners(const Backend& backend, const FindEdge& find, Span<const std::
   return corners;
 }
 
-/// Each triangle's face in the mesh, 4 * slot + face.
+/// Each triangle's face in the mesh, 4 * slot + face; of the triangles at edges with a `changed` end, or at their
+/// periodic images.
 template <class Backend>
-auto find_faces(const Backend& backend, WorkMesh<Backend>& mesh, BoundaryTriangles<Backend>& boundary) {
+auto find_faces(const Backend& backend, WorkMesh<Backend>& mesh, BoundaryTriangles<Backend>& boundary,
+                Span<const std::uint8_t> changed) {
   BufferOf<Backend, Index> triangle2face(backend, boundary.triangles.size());
+  if (boundary.images.members.size() > 0) changed = {};
   backend.for_each(mesh.slots(), FindFaces{mesh.view(), boundary.triangles.span(), boundary.vertex2corner.view(),
-                                           triangle2face.span()});
+                                           changed, triangle2face.span()});
   return triangle2face;
 }
 
@@ -201,7 +204,7 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   BufferOf<Backend, BoundaryEdge> edges(backend, count);
   BufferOf<Backend, BoundaryEdge> images(backend, boundary.images.members.size() > 0 ? count : 0);
   backend.for_each(count, FillEdge{find, corners.span(), edges.span(), images.span()});
-  auto triangle2face = find_faces(backend, mesh, boundary);
+  auto triangle2face = find_faces(backend, mesh, boundary, changed);
 
   const BoundaryFlipProposals<typename Backend::Pack> proposals{
       rated(mesh, criterion), edges.span(),          images.span(), corners.span(),

@@ -30,6 +30,17 @@ inline Span<const Index> proposing(Span<const Index> tets, int choices) {
   return {tets.data(), tets.size() < max_tets ? tets.size() : max_tets};
 }
 
+/// Marks the tetrahedra with an angle that costs more than `vertex_cost`.
+struct MarkEditors {
+  RatedMesh mesh;
+  Span<const Index> tets;
+  double vertex_cost;
+  Span<std::uint8_t> is_editor;
+  TETUNE_HD void operator()(Size i) const {
+    is_editor[i] = dihedral_cots(mesh, tets[i]).cost(mesh.obtuse_weight) > vertex_cost ? 1 : 0;
+  }
+};
+
 /// Room for inserted vertices in the arrays of all vertices.
 template <class Backend>
 VertexArrays grow_vertices(const Backend& backend, const EditableMesh<Backend>& editable, Size count) {
@@ -114,17 +125,19 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
                  .surface_point = dofs.surface_point.span()};
   }
   const Size count = choices * tets.size();
+  BufferOf<Backend, std::uint8_t> is_editor(backend, edits_vertices && !lowers_mean ? tets.size() : 0);
+  backend.for_each(is_editor.size(), MarkEditors{rated(mesh, criterion), tets, limits.vertex_cost, is_editor.span()});
   const StarContext context{.mesh = rated(mesh, criterion),
                             .constrained = flips.constrained(),
                             .dof = dofs.dof.span(),
                             .axis = dofs.axis.span(),
                             .surface = triangles,
                             .max_ring = flips.max_ring,
-                            .vertex_cost = limits.vertex_cost,
                             .min_gain = limits.min_gain,
                             .inserts = edits_vertices,
                             .removes = edits_vertices,
                             .proposers = edits_vertices ? tets : Span<const Index>{},
+                            .is_editor = is_editor.span(),
                             .mean_energy = limits.mean_energy};
   StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, first_choice, choices};
   BufferOf<Backend, MoveCosts> moves;

@@ -42,29 +42,31 @@ struct StarContext {
   Span<const Vec3> axis;
   SurfaceTriangles surface;
   int max_ring;        ///< of the removal of an edge
-  double vertex_cost;  ///< vertices are inserted and removed where an angle has a larger cost
   double min_gain;     ///< the largest cost, or the energy of the cavity, must fall by this part
   bool inserts;        ///< vertices may be inserted
   bool removes;        ///< vertices may be removed
   /// The proposing tetrahedra in ascending order: an edge of several is removed by the first of them only. Empty: each
   /// proposes all its edges.
   Span<const Index> proposers = {};
-  /// Above 0: the mean energy of the mesh, which must fall, and not the largest cost. All proposers then insert and
-  /// remove vertices.
+  /// Whether each proposer may insert and remove vertices. Empty: all may.
+  Span<const std::uint8_t> is_editor = {};
+  /// Above 0: the mean energy of the mesh, which must fall, and not the largest cost.
   double mean_energy = 0;
 
   TETUNE_HD bool lowers_mean() const { return mean_energy > 0; }
   TETUNE_HD bool is_movable(Index v) const { return dof[v] == VertexDof::free && !constrained.has_end(v); }
-  TETUNE_HD bool may_change_vertices(Index t) const {
-    return lowers_mean() || dihedral_cots(mesh, t).cost(mesh.obtuse_weight) > vertex_cost;
-  }
 
   /// Whether vertices may be inserted and removed at a tetrahedron of the cavity before t: that one proposes the same.
   TETUNE_HD bool is_shared_with_earlier(const StarCavity& star, Index t) const {
     return any_earlier(star, t, [&](Index s) { return proposes_edits(s); });
   }
   /// Whether a tetrahedron proposes to insert and remove vertices.
-  TETUNE_HD bool proposes_edits(Index t) const { return is_proposer(t) && may_change_vertices(t); }
+  TETUNE_HD bool proposes_edits(Index t) const {
+    const Size i = lower_bound(proposers, t);
+    return i < proposers.size() && proposers[i] == t && may_edit(i);
+  }
+  /// Whether the proposer at a position in the list may insert and remove vertices.
+  TETUNE_HD bool may_edit(Size i) const { return is_editor.size() == 0 || is_editor[i] != 0; }
   /// Whether a proposer of the cavity before t contracts an edge to the vertex v too.
   TETUNE_HD bool is_contracted_earlier(const StarCavity& star, Index v, Index t) const {
     return any_earlier(star, t, [&](Index s) {
@@ -112,6 +114,7 @@ template <class Team>
 struct StarProposal : StarContext {
   Proposals<StarCandidate> proposals;
   Size id;
+  bool edits;              ///< the tetrahedron may insert and remove vertices
   const MoveCosts* moves;  ///< the costs of all moves of CompositeRemoval; null: not evaluated
   Team team;
   StarMemory& memory;
@@ -269,8 +272,9 @@ struct StarProposals : StarContext {
                             const Proposals<StarCandidate>& proposals) const {
     const MoveCosts* costs = nullptr;
     if (moves.size() > 0) costs = &moves[id / choices * (moves.size() / tets.size())];
-    const StarProposal<Team> proposal{*this, proposals, id, costs, team, memory};
-    Operators::propose(proposal, tets[id / choices], first_choice + to_index(id % choices));
+    const Size i = id / choices;
+    const StarProposal<Team> proposal{*this, proposals, id, may_edit(i), costs, team, memory};
+    Operators::propose(proposal, tets[i], first_choice + to_index(id % choices));
     return 1;
   }
 };

@@ -16,7 +16,7 @@ struct SurfaceContraction {
 
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
-    if (!p.removes || !p.edits_surface() || !p.may_change_vertices(t)) return;
+    if (!p.edits || !p.removes || !p.edits_surface()) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const int from = choice / 3;
     const Index v = tet[from];

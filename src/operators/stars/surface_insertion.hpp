@@ -14,7 +14,7 @@ struct SurfaceInsertion {
 
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
-    if (!p.inserts || !p.edits_surface() || !p.may_change_vertices(t)) return;
+    if (!p.edits || !p.inserts || !p.edits_surface()) return;
     const Tet tet = p.mesh.tet2vertex[t];
     SurfaceSimplex simplex;
     if (choice < 6) {

@@ -17,7 +17,7 @@ struct VertexContraction {
 
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int corner) {
-    if (!p.removes || !p.may_change_vertices(t)) return;
+    if (!p.edits || !p.removes) return;
     const Index v = p.mesh.tet2vertex[t][corner];
     const int max_tets = p.lowers_mean() ? kMaxTetsForMean : kMaxStarTets;
     StarCavity star = p.cavity(0);

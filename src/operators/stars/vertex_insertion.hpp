@@ -13,7 +13,7 @@ struct VertexInsertion {
 
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
-    if (!p.inserts || !p.may_change_vertices(t)) return;
+    if (!p.edits || !p.inserts) return;
     StarCavity star = p.cavity();
     if (choice == kInside) {
       insert_inside(p, t, star);
