@@ -149,38 +149,35 @@ void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const s
   backend.for_each(mesh.slots(), element_selection_detail::ClearOutside{{mesh.view(), flags}, values});
 }
 
-/// The largest result of upper_quantile().
-inline constexpr double kMaxQuantile = 1e6;
+/// Where upper_quantile() searches, and to within which fraction.
+struct QuantileRange {
+  double low = 1, high = 1e6;
+  double resolution = 0.01;
+};
 
-/// Returns a value that at most about `max_above` of the `values` exceed, by bisection of the logarithm to within the
-/// fraction `resolution`. The values are 0 or at least 1.
+/// Returns a value in a range that at most about `max_above` of the `values` exceed, by bisection of the logarithm. The
+/// values are 0 or positive.
 template <class Backend>
-double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01) {
+double upper_quantile(const Backend& backend, Span<const double> values, double max_above,
+                      const QuantileRange& range = {}) {
   using namespace element_selection_detail;
-  double low = 1;
-  double high = kMaxQuantile;
+  double low = range.low;
+  double high = range.high;
   // A device tries all bounds of several steps at once, as the host waits for each result.
   constexpr int kStepsAtOnce = 4;
   constexpr int kBounds = Backend::kIsAsynchronous ? (1 << kStepsAtOnce) - 1 : 1;
-  while (high > (1 + resolution) * low) {
+  const double ratio = 1 + range.resolution;
+  while (high > ratio * low) {
     CountAbove<kBounds> count{values, {}};
     fill_bisection(count.bounds, 0, low, high);
     const auto counts = backend.template reduce<Counts<kBounds>>(values.size(), count);
-    for (int node = 0; node < kBounds && high > (1 + resolution) * low;) {
+    for (int node = 0; node < kBounds && high > ratio * low;) {
       const bool is_below = static_cast<double>(counts.above[node]) > std::floor(max_above);
       (is_below ? low : high) = count.bounds[node];
       node = 2 * node + (is_below ? 2 : 1);
     }
   }
   return low;
-}
-
-/// Returns the cost of the dihedral angles that about `max_above` tetrahedra exceed. `extremeness`: see AngleExtremes.
-template <class Backend>
-double upper_cost_quantile(const Backend& backend, Span<const double> extremeness, double max_above,
-                           double resolution) {
-  const double quantile = upper_quantile(backend, extremeness, max_above, resolution);
-  return std::sqrt(quantile * quantile - 1);
 }
 
 /// Flags the vertices of the listed tetrahedra.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "phases/improve_around.hpp"
@@ -22,42 +23,42 @@ inline AngleParameters last_parameters(AngleParameters p) {
 
 /// Whether many tetrahedra have about the largest cost, and it is above `tied_cost`.
 template <class Backend>
-bool has_many_tied(Optimizer<Backend>& optimizer) {
+bool has_many_tied(Optimizer<Backend>& optimizer, const AngleExtremes<Backend>& extremes) {
   const AngleParameters& p = optimizer.tuning.angles;
-  const AngleExtremes<Backend> extremes(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies(), p.tied_cost,
-                                        p.obtuse_weight);
-  if (extremes.max_cost <= p.tied_cost) return false;
-  const double of_tied = upper_cost_quantile(optimizer.backend, extremes.values.span(), p.min_tied, p.cost_resolution);
-  const double fraction = extremes.max_cost > p.thin_cost ? p.thin_tied_fraction : p.tied_fraction;
-  return of_tied >= (1 - fraction) * extremes.max_cost;
+  if (extremes.largest() <= p.tied_cost) return false;
+  const double of_tied = extremes.quantile(optimizer.backend, p.min_tied, p.cost_resolution);
+  const double fraction = extremes.largest() > p.thin_cost ? p.thin_tied_fraction : p.tied_fraction;
+  return of_tied > p.tied_cost && of_tied >= (1 - fraction) * extremes.largest();
 }
 
-/// One round, on tetrahedra with a vertex that is flagged in `region`, or anywhere if that is empty. Returns the number
-/// of changes.
+/// The result of improve_once().
 template <class Backend>
-Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, QualityFloor& floor, WorstReport& r,
-                  Span<const std::uint8_t> region = {}) {
+struct AngleRound {
+  Size changes = 0;
+  BufferOf<Backend, Index> affected;  ///< the tetrahedra that may have changed
+};
+
+/// One round, on the tetrahedra of the largest costs in `extremes`.
+template <class Backend>
+AngleRound<Backend> improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p,
+                                 const AngleExtremes<Backend>& extremes, QualityFloor& floor, WorstReport& r) {
   const Backend& backend = optimizer.backend;
   WorkingSet<Backend>& work = optimizer.work;
-  AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), p.min_cost, p.obtuse_weight);
-  if (region.size() > 0) clear_outside(backend, work.mesh, region, extremes.values.span());
   const double selectable = selection_scale(optimizer.options) * static_cast<double>(work.mesh.tets());
-  const auto cost_of = [&](double max_above) {
-    return std::max(p.min_cost, upper_cost_quantile(backend, extremes.values.span(), max_above, p.cost_resolution));
-  };
+  const auto cost_of = [&](double max_above) { return extremes.quantile(backend, max_above, p.cost_resolution); };
   const double cost =
       cost_of(std::max(p.max_fraction * selectable, std::min(p.min_count, p.small_mesh_fraction * selectable)));
-  const auto extreme = tets_above(backend, work.mesh, extremes.values.span(), std::sqrt(1 + cost * cost));
+  const auto extreme = tets_above(backend, work.mesh, extremes.costs(), cost);
   r.worst = extreme.size();
   // From now on no angle may cost more than the worst at present; shapes may become worse in between.
-  floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, p.obtuse_weight);
+  floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.largest(), p.obtuse_weight);
   const Criterion criterion{kShapeObjective, floor, p.obtuse_weight};
   const AngleParameters& vertices = p.min_vertex_count > 0 ? p : tuning_of(Effort::best).angles;
   const double vertex_cost =
       edits_vertices(optimizer.options)
           ? cost_of(std::max(vertices.max_vertex_fraction * selectable, vertices.min_vertex_count))
           : kInfeasible;
-  const auto improved =
+  auto improved =
       improve_around(optimizer, criterion, extreme.span(), retriangulation_limits(optimizer, vertex_cost), r);
   VertexMask<Backend> selected(backend, work.mesh.vertices());
   backend.fill(selected.span(), std::uint8_t{0});
@@ -77,7 +78,7 @@ Size improve_once(Optimizer<Backend>& optimizer, const AngleParameters& p, Quali
   Size opened = 0;
   for (const auto& m : moved) opened += m.get().value;
   r.moved = improved.swept.get().moved + opened;
-  return r.inserted + r.removed + r.flips + opened;
+  return {r.inserted + r.removed + r.flips + opened, std::move(improved.affected)};
 }
 
 }  // namespace improve_angles_detail
@@ -93,7 +94,12 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   const AngleParameters& parameters = optimizer.tuning.angles;
   const int rounds = parameters.rounds();
   optimizer.work.boundary.flips_bend = optimizer.work.boundary.bends;
-  optimizer.timer.measure(Phase::angles, [&] { optimizer.sum_energy(kShapeObjective); });
+  std::optional<AngleExtremes<Backend>> extremes;
+  optimizer.timer.measure(Phase::angles, [&] {
+    optimizer.sum_energy(kShapeObjective);
+    extremes.emplace(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies(), parameters.min_cost,
+                     parameters.obtuse_weight);
+  });
   int round = 0, stalls = 0;
   double worked_on = 0;
   const auto run_rounds = [&](int limit, const AngleParameters& p, const auto& follows) {
@@ -103,7 +109,11 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
       WorstReport r;
       r.round = ++round;
       Size changes = 0;
-      r.seconds = optimizer.timer.measure(Phase::angles, [&] { changes = improve_once(optimizer, p, floor, r); });
+      r.seconds = optimizer.timer.measure(Phase::angles, [&] {
+        const auto made = improve_once(optimizer, p, *extremes, floor, r);
+        extremes->update(optimizer.backend, optimizer.work.mesh, optimizer.slot_energies(), made.affected.span());
+        changes = made.changes;
+      });
       r.dihedral_min = optimizer.traced_angle();
       worked_on += static_cast<double>(r.worst);
       optimizer.report.worst_rounds.push_back(r);
@@ -117,7 +127,7 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
   const auto has_fallen = [&] { return stalls < parameters.max_stalls; };
   const auto has_many_tied_left = [&] {
     bool has = false;
-    if (has_fallen()) optimizer.timer.measure(Phase::angles, [&] { has = has_many_tied(optimizer); });
+    if (has_fallen()) optimizer.timer.measure(Phase::angles, [&] { has = has_many_tied(optimizer, *extremes); });
     return has;
   };
   const auto has_budget = [&] { return worked_on < parameters.budget; };

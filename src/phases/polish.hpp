@@ -22,7 +22,7 @@ bool polish(Optimizer<Backend>& optimizer, const Objective& objective, const Qua
         find_floor(backend, work.mesh, optimizer.slot_energies(), -angles.min_cost / angles.obtuse_weight);
     const AngleExtremes<Backend> extremes(backend, work.mesh, optimizer.slot_energies(), angles.min_cost,
                                           angles.obtuse_weight);
-    criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.max_cost, angles.obtuse_weight);
+    criterion.floor.limit_cost((1 + QualityFloor::kTolerance) * extremes.largest(), angles.obtuse_weight);
     criterion.floor.limit_angles(reached.extremes());
   });
   if (!lower_mean_energy(optimizer, p.mean, criterion)) return false;

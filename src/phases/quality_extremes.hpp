@@ -8,6 +8,7 @@
 #include "energy/dihedral_cots.hpp"
 #include "energy/quality_floor.hpp"
 #include "mesh/work_mesh.hpp"
+#include "phases/element_selection.hpp"
 
 /// The largest energy, the extreme dihedral angles and the smallest mean ratio of a mesh (docs/method.md, "Quality
 /// floor").
@@ -54,39 +55,83 @@ struct MaxCot {
   TETUNE_HD Maximum operator()(Size t) const { return {mesh.alive(t) ? dihedral_cots(mesh, t).max : -1}; }
 };
 
-struct ComputeExtremeness {
+struct ComputeCost {
   MeshView mesh;
   Span<const double> shapes;
   double min_cost;
   double min_shape;
   double obtuse_weight;
-  Span<double> values;
+  Span<double> costs;
   TETUNE_HD Maximum operator()(Size t) const {
     const double cost = shapes[t] > min_shape ? dihedral_cots(mesh, t).cost(obtuse_weight) : 0;
-    values[t] = cost > min_cost ? std::sqrt(1 + cost * cost) : 0;
-    return {cost};
+    costs[t] = cost > min_cost ? cost : 0;
+    return {costs[t]};
+  }
+};
+
+struct ComputeListedCost {
+  ComputeCost compute;
+  Span<const Index> tets;
+  TETUNE_HD void operator()(Size i) const { compute(tets[i]); }
+};
+
+/// The largest cost; clears those of free slots.
+struct LargestCost {
+  Span<const double> shapes;
+  Span<double> costs;
+  TETUNE_HD Maximum operator()(Size t) const {
+    if (shapes[t] == 0) costs[t] = 0;
+    return {costs[t]};
   }
 };
 
 }  // namespace quality_extremes_detail
 
-/// Per slot, the square root of 1 + cost^2 if the cost of its dihedral angles (DihedralCots::cost()) is above
-/// `min_cost`, else 0; for a small angle this is 1 / sin. `max_cost` is the largest cost, at least `min_cost`. `shapes`
-/// are the shape energies of all slots.
+/// Per slot, the cost of its dihedral angles (DihedralCots::cost()) if that is above `min_cost`, which is at least 1,
+/// else 0. `shapes` are the shape energies of all slots, 0 in free ones.
 template <class Backend>
-struct AngleExtremes {
-  BufferOf<Backend, double> values;
-  double max_cost;
-
+class AngleExtremes {
+ public:
   AngleExtremes(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, double min_cost,
                 double obtuse_weight)
-      : values(backend, mesh.slots()) {
-    using namespace quality_extremes_detail;
-    double min_shape = QualityFloor::min_shape(min_cost);
-    if (obtuse_weight > 0) min_shape = std::min(min_shape, QualityFloor::min_shape(-min_cost / obtuse_weight));
-    const ComputeExtremeness compute{mesh.view(), shapes, min_cost, min_shape, obtuse_weight, values.span()};
-    max_cost = std::max(min_cost, backend.template reduce<Maximum>(mesh.slots(), compute).value);
+      : costs_(backend, mesh.slots()),
+        min_cost_(min_cost),
+        min_shape_(QualityFloor::min_shape(min_cost)),
+        obtuse_weight_(obtuse_weight) {
+    if (obtuse_weight > 0) min_shape_ = std::min(min_shape_, QualityFloor::min_shape(-min_cost / obtuse_weight));
+    set_largest(backend.template reduce<Maximum>(mesh.slots(), compute(mesh, shapes)));
   }
+  /// Computes the costs of the listed tetrahedra again; among them are all that have changed.
+  void update(const Backend& backend, WorkMesh<Backend>& mesh, Span<const double> shapes, Span<const Index> tets) {
+    using namespace quality_extremes_detail;
+    costs_.grow(backend, mesh.slots());
+    backend.for_each(tets.size(), ComputeListedCost{compute(mesh, shapes), tets});
+    set_largest(backend.template reduce<Maximum>(mesh.slots(), LargestCost{shapes, costs_.span()}));
+  }
+  /// Clears the costs of the tetrahedra that have no flagged vertex; the largest cost stays.
+  void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const std::uint8_t> flags) {
+    tetune::clear_outside(backend, mesh, flags, costs_.span());
+  }
+
+  Span<const double> costs() const { return costs_.span(); }
+  /// The largest cost, at least `min_cost`.
+  double largest() const { return largest_; }
+  /// A cost that about `max_above` tetrahedra exceed, between `min_cost` and the largest.
+  double quantile(const Backend& backend, double max_above, double resolution) const {
+    return upper_quantile(backend, costs(), max_above, {min_cost_, largest_, resolution});
+  }
+
+ private:
+  using Maximum = quality_extremes_detail::Maximum;
+  auto compute(WorkMesh<Backend>& mesh, Span<const double> shapes) {
+    return quality_extremes_detail::ComputeCost{mesh.view(), shapes, min_cost_, min_shape_, obtuse_weight_,
+                                                costs_.span()};
+  }
+  void set_largest(const Maximum& found) { largest_ = std::max(min_cost_, found.value); }
+
+  BufferOf<Backend, double> costs_;
+  double min_cost_, min_shape_, obtuse_weight_;
+  double largest_ = 0;
 };
 
 /// The worst shape energy, dihedral angles and mean ratio, as bounds that no tetrahedron may exceed, but for angles up

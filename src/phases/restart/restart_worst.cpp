@@ -102,7 +102,7 @@ class NeighborhoodOptimizer {
       const auto flags = region.flags(backend, work.mesh);
       const auto tets = tets_with_flagged_vertex(backend, work.mesh, flags);
       BufferOf<Cpu, Index> extreme;
-      if (!lowers_mean) extreme = extreme_tets(flags);
+      if (!lowers_mean) extreme = tets_above(backend, work.mesh, extremes_in(region).costs(), 0);
       const Span<const Index> proposers = lowers_mean ? tets.span() : std::as_const(extreme).span();
       WorstReport round;
       round.moved = improve_around(optimizer_, criterion, tets.span(), proposers, limits, round).swept.get().moved;
@@ -117,21 +117,20 @@ class NeighborhoodOptimizer {
       if (optimizer_.backend.stop_requested()) return;
       const double before = floor.max_cot;
       WorstReport round;
-      improve_angles_detail::improve_once(optimizer_, angles_, floor, round,
-                                          region.flags(optimizer_.backend, optimizer_.work.mesh));
+      improve_angles_detail::improve_once(optimizer_, angles_, extremes_in(region), floor, round);
       add(round, r_);
       stalls = floor.max_cot > (1 - angles_.min_fall) * before ? stalls + 1 : 0;
     }
   }
 
  private:
-  /// The tetrahedra with a flagged vertex, and with an angle that is worked on.
-  BufferOf<Cpu, Index> extreme_tets(Span<const std::uint8_t> flags) const {
+  /// The costs of the tetrahedra with a flagged vertex.
+  AngleExtremes<Cpu> extremes_in(Region& region) const {
+    const Cpu& backend = optimizer_.backend;
     WorkMesh<Cpu>& mesh = optimizer_.work.mesh;
-    AngleExtremes<Cpu> found(optimizer_.backend, mesh, optimizer_.slot_energies(), angles_.min_cost,
-                             angles_.obtuse_weight);
-    clear_outside(optimizer_.backend, mesh, flags, found.values.span());
-    return tets_above(optimizer_.backend, mesh, std::as_const(found.values).span(), 0);
+    AngleExtremes<Cpu> extremes(backend, mesh, optimizer_.slot_energies(), angles_.min_cost, angles_.obtuse_weight);
+    extremes.clear_outside(backend, mesh, region.flags(backend, mesh));
+    return extremes;
   }
 
   Optimizer<Cpu>& optimizer_;
