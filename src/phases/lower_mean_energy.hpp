@@ -95,6 +95,7 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, c
   if (!edits_vertices(optimizer.options)) return true;
   RetriangulationLimits limits = retriangulation_limits(optimizer, kInfeasible, p.growth_fraction);
   limits.min_gain = p.min_gain;
+  limits.is_selective = p.is_selective;
   double energy = 0;
   optimizer.timer.measure(Phase::worst, [&] { energy = optimizer.sum_energy(criterion.objective); });
   lower_mean_energy_detail::NewNeighborhoods<Backend> neighborhoods;

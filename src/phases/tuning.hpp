@@ -78,6 +78,9 @@ struct MeanParameters {
   double min_fall = 0.01;
   /// The fraction of the growth of the mesh that insertion may use up: the smallest angles need the rest.
   double growth_fraction = 0.4;
+  /// Proposals that hardly ever succeed are left out: of the first rounds they are a small part, and in coarse meshes
+  /// those few insertions raise the smallest angles.
+  bool is_selective = false;
 };
 
 /// improve_worst(): rounds of work around the tetrahedra of the largest energy.
@@ -274,7 +277,7 @@ constexpr Tuning best() {
   t.angles.last_count = 12;
   t.angles.min_cost = 1.01;  // lattices have many angles of 45 degrees, of cost 1
   t.restart.rounds = 10;
-  t.polish = {4, 2, {.max_rounds = 12, .max_fraction = 0.2, .growth_fraction = 1}};
+  t.polish = {4, 2, {.max_rounds = 12, .max_fraction = 0.2, .growth_fraction = 1, .is_selective = true}};
   return t;
 }
 

@@ -32,6 +32,8 @@ struct RetriangulationLimits {
   double min_gain;     ///< what must fall in a cavity falls by at least this part
   /// Above 0: the mean energy of the mesh. Vertices are inserted and removed so that it falls, at all tetrahedra given.
   double mean_energy = 0;
+  /// Proposals are left out that hardly ever lower it.
+  bool is_selective = false;
   /// Where more vertices than this would be removed beyond those inserted, the pass is repeated without removal.
   Size max_removed = std::numeric_limits<Size>::max();
 };

@@ -138,7 +138,8 @@ RetriangulationReport retriangulate_worst(const Backend& backend, const Editable
                             .removes = edits_vertices,
                             .proposers = edits_vertices ? tets : Span<const Index>{},
                             .is_editor = is_editor.span(),
-                            .mean_energy = limits.mean_energy};
+                            .mean_energy = limits.mean_energy,
+                            .is_selective = limits.is_selective};
   StarProposals<AllOperators, typename Backend::Pack> proposals{context, tets, first_choice, choices};
   BufferOf<Backend, MoveCosts> moves;
   if constexpr (Backend::kIsAsynchronous) {

@@ -19,10 +19,10 @@ inline constexpr double kScreenRatio = 1.4;
 /// is at most this many times what it was.
 inline constexpr double kReachRatio = 4;
 
-/// Where the mean energy must fall, the cavity of a new vertex grows only if the energy beyond the mean has risen by at
-/// most this part of the energy before: growth hardly ever makes up for more (docs/benchmarks/cpu.md, "Which vertices
-/// are removed").
-inline constexpr double kMaxRiseForMean = 0.4;
+/// StarContext::is_selective: the cavity of a new vertex grows only if the energy beyond the mean has risen by at most
+/// this part of the energy before. Growth hardly ever makes up for more (docs/benchmarks/cpu.md, "Proposals for the
+/// mean energy").
+inline constexpr double kMaxRise = 0.4;
 
 /// The largest costs in a cavity before and after its retriangulation from a vertex that moves.
 struct MoveCosts {
@@ -52,6 +52,8 @@ struct StarContext {
   Span<const std::uint8_t> is_editor = {};
   /// Above 0: the mean energy of the mesh, which must fall, and not the largest cost.
   double mean_energy = 0;
+  /// Leaves out proposals that hardly ever lower the mean energy.
+  bool is_selective = false;
 
   TETUNE_HD bool lowers_mean() const { return mean_energy > 0; }
   TETUNE_HD bool is_movable(Index v) const { return dof[v] == VertexDof::free && !constrained.has_end(v); }
@@ -130,10 +132,10 @@ struct StarProposal : StarContext {
   }
 
   /// Moves a new vertex to where the energy is lower, and enlarges the cavity while that lowers the energy. Returns
-  /// false where the mean energy must fall and has no prospect to.
+  /// false where it is not promising (StarContext::is_selective).
   TETUNE_HD bool relax_new_vertex(StarCavity& star, Vec3& x) const {
     x = star.relax(x, team);
-    if (lowers_mean() && !is_promising(star, x)) return false;
+    if (is_selective && !is_promising(star, x)) return false;
     x = star.relax_and_grow(x, team);
     return true;
   }
@@ -198,7 +200,7 @@ struct StarProposal : StarContext {
   TETUNE_HD bool is_promising(const StarCavity& star, const Vec3& x) const {
     const double before = energy_above_mean(star);
     const double after = star.energy_after(x, team) - star.face_count() * mean_energy;
-    return after - before <= kMaxRiseForMean * (before + star.tet_count() * mean_energy);
+    return after - before <= kMaxRise * (before + star.tet_count() * mean_energy);
   }
   /// By how much energy_above_mean() falls from `before`; not above `limit` where that is not above it.
   TETUNE_HD double energy_gain(const StarCavity& star, double before, const StarCandidate& c, double limit) const {

@@ -11,8 +11,8 @@ namespace tetune {
 /// removed.
 struct SurfaceContraction {
   static constexpr int kChoices = 12;
-  /// As VertexContraction::kMaxTetsForMean.
-  static constexpr int kMaxTetsForMean = 14;
+  /// As VertexContraction::kMaxTets.
+  static constexpr int kMaxTets = 14;
 
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int choice) {
@@ -26,7 +26,7 @@ struct SurfaceContraction {
     StarCavity star = p.cavity();
     ReplacedTriangles replaced;
     const SurfaceSimplex simplex{{v, -1, -1}, 1};
-    const int max_tets = p.lowers_mean() ? kMaxTetsForMean : kMaxStarTets;
+    const int max_tets = p.is_selective ? kMaxTets : kMaxStarTets;
     if (!star.take_surface(t, simplex, max_tets, p.team) || !(p.surface.bends || keeps_planes(p, star, v, apex)) ||
         !star.keeps_faces_of(apex) || !p.surface.find_replaced(star, simplex, replaced)) {
       return;

@@ -11,15 +11,15 @@ namespace tetune {
 /// vertex proposes on behalf of all.
 struct VertexContraction {
   static constexpr int kChoices = 4;
-  /// Where the mean energy must fall, only vertices of at most this number of tetrahedra are removed: those of more
-  /// contribute less than 1 % of what removal gains (docs/benchmarks/cpu.md, "Which vertices are removed").
-  static constexpr int kMaxTetsForMean = 18;
+  /// StarContext::is_selective: only vertices of at most this number of tetrahedra are removed. Those of more contribute
+  /// less than 1 % of what removal gains (docs/benchmarks/cpu.md, "Proposals for the mean energy").
+  static constexpr int kMaxTets = 18;
 
   template <class Proposal>
   TETUNE_HD static void propose(const Proposal& p, Index t, int corner) {
     if (!p.edits || !p.removes) return;
     const Index v = p.mesh.tet2vertex[t][corner];
-    const int max_tets = p.lowers_mean() ? kMaxTetsForMean : kMaxStarTets;
+    const int max_tets = p.is_selective ? kMaxTets : kMaxStarTets;
     StarCavity star = p.cavity(0);
     if (!p.is_movable(v) || !star.take_vertex(t, corner, max_tets, p.team)) return;
     const Proposers proposers = find_proposers(p, star, p.team);
