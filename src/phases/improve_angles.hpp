@@ -13,7 +13,7 @@ namespace improve_angles_detail {
 
 /// The parameters of the last rounds.
 inline AngleParameters last_parameters(AngleParameters p) {
-  constexpr double kResolution = 5e-4;
+  constexpr double kResolution = 8e-4;
   p.max_fraction = p.max_vertex_fraction = 0;
   p.min_count = p.min_vertex_count = p.last_count;
   p.cost_resolution = kResolution;
