@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "backend/cpu.hpp"
 #include "driver/import_mesh.hpp"
 #include "phases/lower_mean_energy.hpp"
@@ -38,7 +41,10 @@ struct OptimizerOfMesh {
 
 bool has_many_tied(const TetMesh& mesh) {
   OptimizerOfMesh work(mesh);
-  return improve_angles_detail::has_many_tied(work.optimizer);
+  const AngleParameters& p = work.optimizer.tuning.angles;
+  const AngleExtremes<Cpu> extremes(work.backend, work.set.mesh, work.optimizer.slot_energies(), p.min_cost,
+                                    p.obtuse_weight);
+  return improve_angles_detail::has_many_tied(work.optimizer, extremes);
 }
 
 /// A lattice of n^3 cubes whose height is scaled: its smallest angles are all equal.
@@ -64,6 +70,57 @@ TEST(ImproveAngles, ElementsNearAWorseOneAreNotTied) {
     if (p[0] == 0.5 && p[1] == 0.5 && p[2] == 0.25) p[2] -= 0.08;
   }
   EXPECT_FALSE(has_many_tied(mesh));
+}
+
+std::vector<double> costs_of(const AngleExtremes<Cpu>& extremes) {
+  const Span<const double> costs = extremes.costs();
+  return {costs.data(), costs.data() + costs.size()};
+}
+
+TEST(AngleExtremes, AreTheSameAfterAnUpdateAsComputedAnew) {
+  OptimizerOfMesh work(test::cube(5, 0.2));
+  WorkMesh<Cpu>& mesh = work.set.mesh;
+  const auto compute = [&] { return AngleExtremes<Cpu>(work.backend, mesh, work.optimizer.slot_energies(), 1.2, 1.5); };
+  AngleExtremes<Cpu> extremes = compute();
+  // A vertex moves next to another one, and a slot becomes free.
+  const Tet tet = mesh.tet2vertex.span()[40];
+  mesh.points.span()[tet[0]].x += 0.9 * (mesh.points.span()[tet[1]].x - mesh.points.span()[tet[0]].x);
+  std::vector<Index> moved;
+  for (Size t = 0; t < mesh.slots(); ++t) {
+    const Tet other = mesh.tet2vertex.span()[t];
+    for (int k = 0; k < 4; ++k) {
+      if (other[k] == tet[0]) moved.push_back(static_cast<Index>(t));
+    }
+  }
+  work.optimizer.sum_energy(kShapeObjective);
+  const std::vector<double> before = costs_of(extremes);
+  const auto worst = std::max_element(before.begin(), before.end()) - before.begin();
+  work.set.flips.energies.span()[worst] = 0;
+  const double largest = extremes.largest();
+  extremes.update(work.backend, mesh, work.optimizer.slot_energies(),
+                  {moved.data(), static_cast<Size>(moved.size())});
+  EXPECT_NE(extremes.largest(), largest);
+  const AngleExtremes<Cpu> anew = compute();
+  EXPECT_EQ(extremes.largest(), anew.largest());
+  EXPECT_EQ(costs_of(extremes), costs_of(anew));
+  EXPECT_EQ(extremes.costs()[worst], 0);
+}
+
+TEST(AngleExtremes, HaveAQuantileThatAboutANumberOfThemExceed) {
+  OptimizerOfMesh work(test::cube(5, 0.2));
+  const AngleExtremes<Cpu> extremes(work.backend, work.set.mesh, work.optimizer.slot_energies(), 1.2, 1.5);
+  const std::vector<double> costs = costs_of(extremes);
+  const auto above = [&](double cost) {
+    return std::count_if(costs.begin(), costs.end(), [=](double c) { return c > cost; });
+  };
+  constexpr double kResolution = 1e-6;
+  for (const int count : {1, 10, 100}) {
+    const double cost = extremes.quantile(work.backend, count, kResolution);
+    EXPECT_GT(above(cost), count);
+    EXPECT_LE(above((1 + kResolution) * cost), count);
+  }
+  EXPECT_EQ(extremes.quantile(work.backend, 1e6, kResolution), 1.2);
+  EXPECT_NEAR(extremes.quantile(work.backend, 0, kResolution), extremes.largest(), 1e-4);
 }
 
 TEST(NewNeighborhoods, AreThoseOfTheVerticesOfNewTetrahedra) {

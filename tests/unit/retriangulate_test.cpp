@@ -79,7 +79,7 @@ TEST(Retriangulate, RemovesAVertexCloseToAFace) {
 }
 
 /// The mean energy of a mesh, before and after one pass around all of its tetrahedra that lowers it.
-std::array<double, 2> lower_mean(Work& work, Size max_tets, RetriangulationReport& report) {
+std::array<double, 2> lower_mean(Work& work, Size max_tets, RetriangulationReport& report, bool is_selective = false) {
   const auto mean = [&work] {
     return refresh_energy(backend::Cpu(1), work.mesh, work.criterion, work.flips.energies) /
            static_cast<double>(work.mesh.tets());
@@ -88,7 +88,7 @@ std::array<double, 2> lower_mean(Work& work, Size max_tets, RetriangulationRepor
   const double before = mean();
   const EditableMesh<backend::Cpu> editable{work.mesh, work.flips, work.dofs};
   report = retriangulate_worst(backend::Cpu(1), editable, work.criterion, {all.data(), work.mesh.slots()},
-                               {max_tets, kInfeasible, 1e-3, before});
+                               {max_tets, kInfeasible, 1e-3, before, is_selective});
   return {before, mean()};
 }
 
@@ -108,6 +108,61 @@ TEST(Retriangulate, LowersTheMeanEnergy) {
   EXPECT_EQ(before, after);
 }
 
+/// An icosahedron divided by a vertex close to one of its faces: twenty tetrahedra are around it.
+TetMesh divided_icosahedron() {
+  TetMesh m;
+  constexpr double phi = std::numbers::phi;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-phi, phi}) {
+      m.points.push_back({0, a, b});
+      m.points.push_back({a, b, 0});
+      m.points.push_back({b, 0, a});
+    }
+  }
+  const auto at = [&m](std::int32_t v) { return m.points[static_cast<std::size_t>(v)]; };
+  const auto squared_distance = [&](std::int32_t v, std::int32_t w) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += (at(v)[k] - at(w)[k]) * (at(v)[k] - at(w)[k]);
+    return sum;
+  };
+  const auto share_edge = [&](std::int32_t v, std::int32_t w) { return squared_distance(v, w) < 4.1; };
+  Point3 center{};
+  for (std::int32_t a = 0; a < 12; ++a) {
+    for (std::int32_t b = a + 1; b < 12; ++b) {
+      for (std::int32_t c = b + 1; c < 12; ++c) {
+        if (!share_edge(a, b) || !share_edge(b, c) || !share_edge(a, c)) continue;
+        if (m.tets.empty()) {
+          for (std::size_t k = 0; k < 3; ++k) center[k] = 0.3 * (at(a)[k] + at(b)[k] + at(c)[k]);
+        }
+        const Point3 p = at(a), q = at(b), r = at(c);
+        const double det = p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) +
+                           p[2] * (q[0] * r[1] - q[1] * r[0]);
+        m.tets.push_back(det > 0 ? std::array{12, a, b, c} : std::array{12, a, c, b});
+      }
+    }
+  }
+  m.points.push_back(center);
+  return test::with_tags(m);
+}
+
+TEST(Retriangulate, RemovesVerticesOfFewTetrahedraAloneWhereItIsSelective) {
+  const TetMesh icosahedron = divided_icosahedron();
+  ASSERT_TRUE(validate(icosahedron).ok());
+  ASSERT_EQ(icosahedron.tets.size(), 20U);
+  const auto removed = [](const TetMesh& mesh, bool is_selective) {
+    Work work(mesh);
+    RetriangulationReport report;
+    const auto [before, after] = lower_mean(work, 0, report, is_selective);  // no insertion
+    if (report.removed > 0) {
+      EXPECT_LT(after, before);
+    }
+    return report.removed;
+  };
+  EXPECT_EQ(removed(icosahedron, false), 1);
+  EXPECT_EQ(removed(icosahedron, true), 0);
+  EXPECT_EQ(removed(divided_tet(), true), 1);
+}
+
 TEST(Retriangulate, InsertsAVertexWhereTheMeanEnergyFalls) {
   TetMesh wheel;
   wheel.points = {{0, 0, -1.5}, {0, 0, 1.5}};
@@ -119,13 +174,15 @@ TEST(Retriangulate, InsertsAVertexWhereTheMeanEnergyFalls) {
   }
   const TetMesh before = test::with_tags(wheel);
   ASSERT_TRUE(validate(before).ok());
-  Work work(before);
-  RetriangulationReport report;
-  const auto [mean_before, mean_after] = lower_mean(work, 1 << 20, report);
-  EXPECT_EQ(report.inserted, 1);
-  EXPECT_EQ(work.mesh.tets(), 2 * kSpokes);
-  EXPECT_LT(mean_after, 0.9 * mean_before);
-  EXPECT_TRUE(validate(test::from_work(work.mesh, before)).ok());
+  for (const bool is_selective : {false, true}) {
+    Work work(before);
+    RetriangulationReport report;
+    const auto [mean_before, mean_after] = lower_mean(work, 1 << 20, report, is_selective);
+    EXPECT_EQ(report.inserted, 1);
+    EXPECT_EQ(work.mesh.tets(), 2 * kSpokes);
+    EXPECT_LT(mean_after, 0.9 * mean_before);
+    EXPECT_TRUE(validate(test::from_work(work.mesh, before)).ok());
+  }
 }
 
 TEST(Retriangulate, RemovesAnEdgeByMovingAVertexOfItsRing) {
