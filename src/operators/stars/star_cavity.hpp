@@ -184,13 +184,6 @@ class StarCavity : StarShape {
     RingOfTeam<Team> ring(mesh_.objective, mesh_.points, arrays_.faces, arrays_.face_count);
     return NewtonStep{1, kMinGain}(ring, x, motion_.free.space).position;
   }
-  /// The sum of the energies with a new vertex at x; kInfeasible where a volume is not certified positive.
-  template <class Team>
-  TETUNE_HD TETUNE_OUTLINE double energy_after(const Vec3& x, const Team&) const {
-    RingOfTeam<Team> ring(mesh_.objective, mesh_.points, arrays_.faces, arrays_.face_count);
-    const RingValue v = ring.value(x);
-    return v.certified ? v.value : kInfeasible;
-  }
   /// Enlarges the cavity and relaxes the apex in turn, while that lowers the energy.
   template <class Team>
   TETUNE_HD TETUNE_OUTLINE Vec3 relax_and_grow(Vec3 x, const Team& team) {

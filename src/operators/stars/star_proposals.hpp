@@ -19,10 +19,9 @@ inline constexpr double kScreenRatio = 1.4;
 /// is at most this many times what it was.
 inline constexpr double kReachRatio = 4;
 
-/// StarContext::is_selective: the cavity of a new vertex grows only if the energy beyond the mean has risen by at most
-/// this part of the energy before. Growth hardly ever makes up for more (docs/benchmarks/cpu.md, "Proposals for the
-/// mean energy").
-inline constexpr double kMaxRise = 0.4;
+/// StarContext::is_selective: a vertex is inserted on edges alone that are longer than this times the distance of the
+/// vertices around them from their midpoint (docs/benchmarks/cpu.md, "Proposals for the mean energy").
+inline constexpr double kMinStretch = 1.4;
 
 /// The largest costs in a cavity before and after its retriangulation from a vertex that moves.
 struct MoveCosts {
@@ -83,6 +82,24 @@ struct StarContext {
   }
   TETUNE_HD bool is_proposer(Index t) const { return contains(proposers, t); }
 
+  /// Whether an edge may get a vertex; `star`: all tetrahedra around it.
+  TETUNE_HD bool is_long_enough(const StarCavity& star, Index a, Index b) const {
+    if (!is_selective) return true;
+    const Vec3 along = vec(mesh.points[b]) - vec(mesh.points[a]);
+    const Vec3 middle = vec(mesh.points[a]) + 0.5 * along;
+    double squares = 0;
+    int count = 0;
+    for (int i = 0; i < star.face_count(); ++i) {
+      for (const Index v : star.face(i).v) {
+        if (v == a || v == b) continue;
+        const Vec3 d = vec(mesh.points[v]) - middle;
+        squares += dot(d, d);
+        ++count;
+      }
+    }
+    return count * dot(along, along) > kMinStretch * kMinStretch * squares;
+  }
+
   TETUNE_HD bool edits_surface() const { return surface.triangles.size() > 0; }
   /// The deviation of the surface after an operation: `deviation_of(bend)` for the surface with the present positions,
   /// and with those of the edited surface.
@@ -131,14 +148,6 @@ struct StarProposal : StarContext {
     return star.grow_below(apex, x, (1 - min_gain) * cost_before(star), team);
   }
 
-  /// Moves a new vertex to where the energy is lower, and enlarges the cavity while that lowers the energy. Returns
-  /// false where it is not promising (StarContext::is_selective).
-  TETUNE_HD bool relax_new_vertex(StarCavity& star, Vec3& x) const {
-    x = star.relax(x, team);
-    if (is_selective && !is_promising(star, x)) return false;
-    x = star.relax_and_grow(x, team);
-    return true;
-  }
   /// Moves a new vertex to where the largest cost is lower than before. Where there is no such place, enlarges the
   /// cavity and moves the vertex once more. Returns false where that fails too. Where the mean energy must fall, the
   /// vertex is in its place already.
@@ -196,12 +205,6 @@ struct StarProposal : StarContext {
   }
 
  private:
-  /// Whether the mean energy may fall by growth of the cavity around a new vertex at x.
-  TETUNE_HD bool is_promising(const StarCavity& star, const Vec3& x) const {
-    const double before = energy_above_mean(star);
-    const double after = star.energy_after(x, team) - star.face_count() * mean_energy;
-    return after - before <= kMaxRise * (before + star.tet_count() * mean_energy);
-  }
   /// By how much energy_above_mean() falls from `before`; not above `limit` where that is not above it.
   TETUNE_HD double energy_gain(const StarCavity& star, double before, const StarCandidate& c, double limit) const {
     double gain = before;

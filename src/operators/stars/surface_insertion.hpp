@@ -22,6 +22,7 @@ struct SurfaceInsertion {
       simplex = {{tet[e.i], tet[e.j], -1}, 2};
       if (p.constrained.contains(simplex.v[0], simplex.v[1])) return;
     } else {
+      if (p.is_selective) return;
       const LinkFace f = link_face(tet, choice - 6);
       simplex = {{f.v[0], f.v[1], f.v[2]}, 3};
     }
@@ -32,15 +33,17 @@ struct SurfaceInsertion {
     }
     StarCavity star = p.cavity();
     ReplacedTriangles replaced;
-    if (!star.take_surface(t, simplex, kMaxStarTets, p.team) || p.is_shared_with_earlier(star, t) ||
-        !p.surface.find_replaced(star, simplex, replaced)) {
+    if (!star.take_surface(t, simplex, kMaxStarTets, p.team) ||
+        (simplex.size == 2 && !p.is_long_enough(star, simplex.v[0], simplex.v[1])) ||
+        p.is_shared_with_earlier(star, t) || !p.surface.find_replaced(star, simplex, replaced)) {
       return;
     }
     NewVertexDof dof =
         p.surface.bends ? place_on_reference(p, replaced, simplex, x) : find_dof(p, star, replaced, simplex);
     if (dof.dof == VertexDof::fixed) return;
     star.restrict_apex(dof, p.surface.reference);
-    if (!p.relax_new_vertex(star, x) || !p.place_new_vertex(star, x)) return;
+    x = star.relax_and_grow(star.relax(x, p.team), p.team);
+    if (!p.place_new_vertex(star, x)) return;
     if (p.surface.bends) {
       dof.surface_point = star.surface_point();
       replaced.deviation =

@@ -16,14 +16,17 @@ struct VertexInsertion {
     if (!p.edits || !p.inserts) return;
     StarCavity star = p.cavity();
     if (choice == kInside) {
-      insert_inside(p, t, star);
+      if (!p.is_selective) insert_inside(p, t, star);
       return;
     }
-    if (!star.take_edge(t, choice, p.team) || p.is_shared_with_earlier(star, t)) return;
     const Tet tet = p.mesh.tet2vertex[t];
     const EdgeCorners e = edge_corners(choice);
-    Vec3 x = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
-    if (p.relax_new_vertex(star, x)) insert(p, star, x);
+    if (!star.take_edge(t, choice, p.team) || !p.is_long_enough(star, tet[e.i], tet[e.j]) ||
+        p.is_shared_with_earlier(star, t)) {
+      return;
+    }
+    const Vec3 middle = 0.5 * (vec(p.mesh.points[tet[e.i]]) + vec(p.mesh.points[tet[e.j]]));
+    insert(p, star, star.relax_and_grow(star.relax(middle, p.team), p.team));
   }
 
  private:
