@@ -124,8 +124,8 @@ class AngleExtremes {
  private:
   using Maximum = quality_extremes_detail::Maximum;
   auto compute(WorkMesh<Backend>& mesh, Span<const double> shapes) {
-    return quality_extremes_detail::ComputeCost{mesh.view(), shapes, min_cost_, min_shape_, obtuse_weight_,
-                                                costs_.span()};
+    return quality_extremes_detail::ComputeCost{mesh.view(), shapes,         min_cost_,
+                                                min_shape_,  obtuse_weight_, costs_.span()};
   }
   void set_largest(const Maximum& found) { largest_ = std::max(min_cost_, found.value); }
 

@@ -97,8 +97,7 @@ TEST(AngleExtremes, AreTheSameAfterAnUpdateAsComputedAnew) {
   const auto worst = std::max_element(before.begin(), before.end()) - before.begin();
   work.set.flips.energies.span()[worst] = 0;
   const double largest = extremes.largest();
-  extremes.update(work.backend, mesh, work.optimizer.slot_energies(),
-                  {moved.data(), static_cast<Size>(moved.size())});
+  extremes.update(work.backend, mesh, work.optimizer.slot_energies(), {moved.data(), static_cast<Size>(moved.size())});
   EXPECT_NE(extremes.largest(), largest);
   const AngleExtremes<Cpu> anew = compute();
   EXPECT_EQ(extremes.largest(), anew.largest());

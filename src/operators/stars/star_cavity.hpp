@@ -53,7 +53,7 @@ class StarCavity : StarShape {
     });
   }
   /// Takes all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too. Returns
-  /// false also where they are more than `max_tets`, as does the next one.
+  /// false also where they are more than `max_tets`. The next function likewise.
   template <class Team>
   TETUNE_HD bool take_surface(Index t, const SurfaceSimplex& simplex, int max_tets, const Team& team) {
     return try_change(team, [&] { return add_surface(t, simplex, max_tets) && find_faces(); });

@@ -40,10 +40,10 @@ struct StarContext {
   Span<const VertexDof> dof;
   Span<const Vec3> axis;
   SurfaceTriangles surface;
-  int max_ring;        ///< of the removal of an edge
-  double min_gain;     ///< the largest cost, or the energy of the cavity, must fall by this part
-  bool inserts;        ///< vertices may be inserted
-  bool removes;        ///< vertices may be removed
+  int max_ring;     ///< of the removal of an edge
+  double min_gain;  ///< the largest cost, or the energy of the cavity, must fall by this part
+  bool inserts;     ///< vertices may be inserted
+  bool removes;     ///< vertices may be removed
   /// The proposing tetrahedra in ascending order: an edge of several is removed by the first of them only. Empty: each
   /// proposes all its edges.
   Span<const Index> proposers = {};
@@ -82,7 +82,7 @@ struct StarContext {
   }
   TETUNE_HD bool is_proposer(Index t) const { return contains(proposers, t); }
 
-  /// Whether an edge may get a vertex; `star`: all tetrahedra around it.
+  /// Whether an edge is so long that it may get a vertex (kMinStretch); `star`: all tetrahedra around it.
   TETUNE_HD bool is_long_enough(const StarCavity& star, Index a, Index b) const {
     if (!is_selective) return true;
     const Vec3 along = vec(mesh.points[b]) - vec(mesh.points[a]);

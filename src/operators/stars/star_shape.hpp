@@ -49,8 +49,8 @@ class StarShape {
     }
     return true;
   }
-  /// Adds all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too; at most
-  /// `max_tets`, as the next one.
+  /// Adds all tetrahedra around a simplex of the surface of which t is one, on all sides of interfaces too, if
+  /// they are at most `max_tets`. The next function likewise.
   TETUNE_HD TETUNE_OUTLINE bool add_surface(Index t, const SurfaceSimplex& simplex, int max_tets) {
     arrays_.simplex = simplex;
     arrays_.tets.add(t);

@@ -11,8 +11,8 @@ namespace tetune {
 /// vertex proposes on behalf of all.
 struct VertexContraction {
   static constexpr int kChoices = 4;
-  /// StarContext::is_selective: only vertices of at most this number of tetrahedra are removed. Those of more contribute
-  /// less than 1 % of what removal gains (docs/benchmarks/cpu.md, "Proposals for the mean energy").
+  /// StarContext::is_selective: only vertices of at most this number of tetrahedra are removed. Those of more
+  /// contribute less than 1 % of what removal gains (docs/benchmarks/cpu.md, "Proposals for the mean energy").
   static constexpr int kMaxTets = 18;
 
   template <class Proposal>
