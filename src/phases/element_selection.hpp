@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 
 #include "backend/atomic.hpp"
 #include "energy/criterion.hpp"
@@ -149,31 +150,29 @@ void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const s
   backend.for_each(mesh.slots(), element_selection_detail::ClearOutside{{mesh.view(), flags}, values});
 }
 
-/// Where upper_quantile() searches, and to within which fraction.
-struct QuantileRange {
-  double low = 1, high = 1e6;
-  double resolution = 0.01;
-};
+/// The largest result of upper_quantile().
+inline constexpr double kMaxQuantile = 1e6;
 
-/// Returns a value in a range that at most about `max_above` of the `values` exceed, by bisection of the logarithm. The
-/// values are 0 or positive.
-template <class Backend>
-double upper_quantile(const Backend& backend, Span<const double> values, double max_above,
-                      const QuantileRange& range = {}) {
+/// Returns x such that at most about `max_above` of the values exceed value_of(x), by bisection of the logarithm of x
+/// to within the fraction `resolution`. x is at least 1.
+template <class Backend, class ValueOf = std::identity>
+double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01,
+                      const ValueOf& value_of = {}) {
   using namespace element_selection_detail;
-  double low = range.low;
-  double high = range.high;
+  double low = 1;
+  double high = kMaxQuantile;
   // A device tries all bounds of several steps at once, as the host waits for each result.
   constexpr int kStepsAtOnce = 4;
   constexpr int kBounds = Backend::kIsAsynchronous ? (1 << kStepsAtOnce) - 1 : 1;
-  const double ratio = 1 + range.resolution;
-  while (high > ratio * low) {
+  while (high > (1 + resolution) * low) {
+    double x[kBounds];
+    fill_bisection(x, 0, low, high);
     CountAbove<kBounds> count{values, {}};
-    fill_bisection(count.bounds, 0, low, high);
+    for (int node = 0; node < kBounds; ++node) count.bounds[node] = value_of(x[node]);
     const auto counts = backend.template reduce<Counts<kBounds>>(values.size(), count);
-    for (int node = 0; node < kBounds && high > ratio * low;) {
+    for (int node = 0; node < kBounds && high > (1 + resolution) * low;) {
       const bool is_below = static_cast<double>(counts.above[node]) > std::floor(max_above);
-      (is_below ? low : high) = count.bounds[node];
+      (is_below ? low : high) = x[node];
       node = 2 * node + (is_below ? 2 : 1);
     }
   }

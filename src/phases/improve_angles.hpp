@@ -13,7 +13,7 @@ namespace improve_angles_detail {
 
 /// The parameters of the last rounds.
 inline AngleParameters last_parameters(AngleParameters p) {
-  constexpr double kResolution = 8e-4;
+  constexpr double kResolution = 5e-4;
   p.max_fraction = p.max_vertex_fraction = 0;
   p.min_count = p.min_vertex_count = p.last_count;
   p.cost_resolution = kResolution;
@@ -25,10 +25,11 @@ inline AngleParameters last_parameters(AngleParameters p) {
 template <class Backend>
 bool has_many_tied(Optimizer<Backend>& optimizer, const AngleExtremes<Backend>& extremes) {
   const AngleParameters& p = optimizer.tuning.angles;
-  if (extremes.largest() <= p.tied_cost) return false;
+  const auto above_tied_cost = static_cast<double>(extremes.count_above(optimizer.backend, p.tied_cost));
+  if (above_tied_cost <= p.min_tied) return false;
   const double of_tied = extremes.quantile(optimizer.backend, p.min_tied, p.cost_resolution);
   const double fraction = extremes.largest() > p.thin_cost ? p.thin_tied_fraction : p.tied_fraction;
-  return of_tied > p.tied_cost && of_tied >= (1 - fraction) * extremes.largest();
+  return of_tied >= (1 - fraction) * extremes.largest();
 }
 
 /// The result of improve_once().

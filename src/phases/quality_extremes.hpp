@@ -116,9 +116,16 @@ class AngleExtremes {
   Span<const double> costs() const { return costs_.span(); }
   /// The largest cost, at least `min_cost`.
   double largest() const { return largest_; }
-  /// A cost that about `max_above` tetrahedra exceed, between `min_cost` and the largest.
+  /// A cost that about `max_above` tetrahedra exceed, at least `min_cost`. The bisection is of sqrt(1 + cost^2), which
+  /// is 1 / sin of a small angle, at values that do not depend on the mesh.
   double quantile(const Backend& backend, double max_above, double resolution) const {
-    return upper_quantile(backend, costs(), max_above, {min_cost_, largest_, resolution});
+    const auto cost_of = [](double x) { return std::sqrt(x * x - 1); };
+    return std::max(min_cost_, cost_of(upper_quantile(backend, costs(), max_above, resolution, cost_of)));
+  }
+  /// The number of tetrahedra above a cost, which is at least `min_cost`.
+  Size count_above(const Backend& backend, double cost) const {
+    using namespace element_selection_detail;
+    return backend.template reduce<Counts<1>>(costs().size(), CountAbove<1>{costs(), {cost}}).above[0];
   }
 
  private:

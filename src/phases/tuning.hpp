@@ -128,7 +128,7 @@ struct AngleParameters {
   double max_vertex_fraction = 0;
   double min_vertex_count = 0;
   /// The relative accuracy of the cost that a given number of tetrahedra exceed.
-  double cost_resolution = 0.017;
+  double cost_resolution = 0.01;
   /// Whether neighbors of their vertices move too, where a cost around them is above min_cost, to make room.
   bool moves_neighbors = false;
   /// Maximum number of further rounds while at least `min_tied` tetrahedra have about the largest cost, and that
