@@ -77,7 +77,7 @@ std::vector<double> costs_of(const AngleExtremes<Cpu>& extremes) {
   return {costs.data(), costs.data() + costs.size()};
 }
 
-TEST(AngleExtremes, AreTheSameAfterAnUpdateAsComputedAnew) {
+TEST(AngleExtremes, AnUpdateGivesTheCostsOfANewComputation) {
   OptimizerOfMesh work(test::cube(5, 0.2));
   WorkMesh<Cpu>& mesh = work.set.mesh;
   const auto compute = [&] { return AngleExtremes<Cpu>(work.backend, mesh, work.optimizer.slot_energies(), 1.2, 1.5); };
@@ -99,9 +99,9 @@ TEST(AngleExtremes, AreTheSameAfterAnUpdateAsComputedAnew) {
   const double largest = extremes.largest();
   extremes.update(work.backend, mesh, work.optimizer.slot_energies(), {moved.data(), static_cast<Size>(moved.size())});
   EXPECT_NE(extremes.largest(), largest);
-  const AngleExtremes<Cpu> anew = compute();
-  EXPECT_EQ(extremes.largest(), anew.largest());
-  EXPECT_EQ(costs_of(extremes), costs_of(anew));
+  const AngleExtremes<Cpu> expected = compute();
+  EXPECT_EQ(extremes.largest(), expected.largest());
+  EXPECT_EQ(costs_of(extremes), costs_of(expected));
   EXPECT_EQ(extremes.costs()[worst], 0);
 }
 

@@ -119,29 +119,20 @@ TetMesh divided_icosahedron() {
       m.points.push_back({b, 0, a});
     }
   }
-  const auto at = [&m](std::int32_t v) { return m.points[static_cast<std::size_t>(v)]; };
-  const auto squared_distance = [&](std::int32_t v, std::int32_t w) {
-    double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) sum += (at(v)[k] - at(w)[k]) * (at(v)[k] - at(w)[k]);
-    return sum;
-  };
-  const auto share_edge = [&](std::int32_t v, std::int32_t w) { return squared_distance(v, w) < 4.1; };
-  Point3 center{};
+  const auto at = [&m](std::int32_t v) { return vec(m.points[static_cast<std::size_t>(v)]); };
+  const auto share_edge = [&](std::int32_t v, std::int32_t w) { return norm(at(v) - at(w)) < 2.1; };
+  Vec3 near_face{};
   for (std::int32_t a = 0; a < 12; ++a) {
     for (std::int32_t b = a + 1; b < 12; ++b) {
       for (std::int32_t c = b + 1; c < 12; ++c) {
         if (!share_edge(a, b) || !share_edge(b, c) || !share_edge(a, c)) continue;
-        if (m.tets.empty()) {
-          for (std::size_t k = 0; k < 3; ++k) center[k] = 0.3 * (at(a)[k] + at(b)[k] + at(c)[k]);
-        }
-        const Point3 p = at(a), q = at(b), r = at(c);
-        const double det = p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) +
-                           p[2] * (q[0] * r[1] - q[1] * r[0]);
-        m.tets.push_back(det > 0 ? std::array{12, a, b, c} : std::array{12, a, c, b});
+        if (m.tets.empty()) near_face = 0.3 * (at(a) + at(b) + at(c));
+        const bool is_outward = dot(at(a), cross(at(b), at(c))) > 0;
+        m.tets.push_back(is_outward ? std::array{12, a, b, c} : std::array{12, a, c, b});
       }
     }
   }
-  m.points.push_back(center);
+  m.points.push_back({near_face.x, near_face.y, near_face.z});
   return test::with_tags(m);
 }
 
