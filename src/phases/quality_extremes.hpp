@@ -87,8 +87,8 @@ struct LargestCost {
 
 }  // namespace quality_extremes_detail
 
-/// Per slot, the cost of its dihedral angles (DihedralCots::cost()) if that is above `min_cost`, else 0. `shapes` are the
-/// shape energies of all slots, 0 in free ones.
+/// Per slot, the cost of its dihedral angles (DihedralCots::cost()) if that is above `min_cost`, else 0. `shapes` are
+/// the shape energies of all slots, 0 in free ones.
 template <class Backend>
 class AngleExtremes {
  public:
