@@ -29,7 +29,7 @@ class Options(TypedDict, total=False):
     open_boundaries: bool
     """Tagged triangles with the same region on both sides stay faces of the mesh; otherwise they are dropped. Default: True."""
     boundary_flips: bool
-    """Edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped. Default: True."""
+    """Edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped; with max_deviation, unless vertices of the surface are inserted and removed, in patches that lie in a plane. Default: True."""
     effort: Literal["fast", "standard", "best"]
     """How much is done; fast: flips are searched for once, and sweeps end when one lowers the energy by less than 2 %; standard: sweeps end at 0.2 %, then the worst elements and the smallest dihedral angles are improved; best: sweeps end at 0.01 %, then there is more of that work, and vertices are inserted and removed. Default: standard."""
     keep_vertices: bool

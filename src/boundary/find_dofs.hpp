@@ -6,6 +6,7 @@
 
 #include "boundary/classify.hpp"
 #include "boundary/sliding/features.hpp"
+#include "boundary/sliding/flat_patches.hpp"
 #include "boundary/sliding/slide_surface.inl"
 #include "boundary/surface.hpp"
 #include "boundary/vertex_dofs.hpp"
@@ -29,6 +30,7 @@ struct DofInput {
   double scale;                                      ///< coordinates of the work mesh per unit of the caller's
   double max_deviation;                              ///< of the surface by moves of vertices, in the caller's unit
   const SlideSurface* slides_on;                     ///< the surface for Boundary::slide; null: the mesh's own
+  bool keeps_flat_patches;                           ///< vertices in flat patches of it move in their planes
   const std::vector<Index>& original2vertex;
 };
 
@@ -38,6 +40,9 @@ namespace find_dofs_detail {
 /// planes and along lines, and for motion on a curved surface.
 inline constexpr double kMaxDisplacement = 0.5;
 inline constexpr double kMaxSlideDisplacement = 0.75;
+
+/// The vertices of a flat patch are within this part of the bound of their plane.
+inline constexpr double kFlatShare = 1e-4;
 
 struct FindDisplacementBound {
   Span<const Point> points;
@@ -101,6 +106,19 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point});
 }
 
+/// Lets the vertices of flat patches of the reference surface move in planes and along lines.
+template <class Backend>
+FlatPatches keep_flat_patches(const Backend& backend, VertexDofs<Backend>& dofs) {
+  const ReferenceSurfaceOnHost reference = dofs.reference.download();
+  FlatPatches flat(reference, kFlatShare * dofs.max_deviation);
+  std::vector<VertexDof> dof = dofs.dof.download();
+  std::vector<Vec3> axis = dofs.axis.download();
+  flat.restrict_vertices(reference, dof, axis);
+  dofs.dof.upload(backend, dof);
+  dofs.axis.upload(backend, axis);
+  return flat;
+}
+
 inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
   for (const VertexDof dof : dofs) {
     ++(dof == VertexDof::free      ? report.free_vertices
@@ -115,10 +133,11 @@ inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
 }  // namespace find_dofs_detail
 
 /// Finds where each vertex may go, by Options::boundary, and makes all vertices active. The report receives the
-/// numbers of vertices by degrees of freedom, and of listed corners, edges and their ends that are no features.
+/// numbers of vertices by degrees of freedom, and of listed corners, edges and their ends that are no features. Returns
+/// the flat patches, with DofInput::keeps_flat_patches.
 template <class Backend>
-void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
-               VertexDofs<Backend>& dofs, Report& report) {
+FlatPatches find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
+                      VertexDofs<Backend>& dofs, Report& report) {
   using namespace find_dofs_detail;
   const Options& options = input.options;
   const Size vertices = mesh.vertices();
@@ -131,9 +150,10 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
   if (slides) {
     // Vertices that slide have no axis, but restarts download the axes of all.
     backend.fill(dofs.axis.span(), Vec3{});
-    // The bound is slightly smaller than the caller's, against rounding.
+    // The bound is slightly smaller than the caller's, against rounding and for the unevenness of flat patches.
     constexpr double kMargin = 1e-5;
-    dofs.max_deviation = (1 - kMargin) * input.max_deviation * input.scale;
+    const double margin = input.keeps_flat_patches ? kMargin + 3 * kFlatShare : kMargin;
+    dofs.max_deviation = (1 - margin) * input.max_deviation * input.scale;
     // Underflow must not turn a bound into none.
     if (options.max_deviation > 0)
       dofs.max_deviation = std::max(dofs.max_deviation, 2 * std::numeric_limits<double>::min());
@@ -156,7 +176,10 @@ void find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<B
     dofs.checked.points.assign(backend, mesh.points);
     dofs.checked.surface_points.assign(backend, dofs.surface_point);
   }
+  FlatPatches flat;
+  if (input.keeps_flat_patches) flat = keep_flat_patches(backend, dofs);
   count_dofs(dofs.dof.download(), report);
+  return flat;
 }
 
 }  // namespace tetune

@@ -135,6 +135,29 @@ void let_surface_bend(const Backend& backend, const Options& options, WorkingSet
   dofs.checked.edited_points.assign(backend, dofs.checked.points);
 }
 
+/// Whether motion and flips in flat patches of the surface need no test of the bound on the deviation. Operations on
+/// the surface have a part of the bound instead; and a given surface may be a part of one, of whose patches some
+/// triangles are not known.
+inline bool keeps_flat_patches(const ImportInput& source) {
+  return has_deviation_bound(source.options) && !edits_surface(source.options) && source.slides_on == nullptr;
+}
+
+/// Whether alternate() flips edges of the surface, of all patches or of flat ones.
+inline bool flips_surface(const ImportInput& source) {
+  return flips_boundary(source.options) && (!has_deviation_bound(source.options) || keeps_flat_patches(source));
+}
+
+/// Lets edges be flipped in flat patches alone: with a bound on the deviation the vertices of other triangles that flip
+/// could only drift.
+template <class Backend>
+void hold_bent_patches(const Backend& backend, const FlatPatches& flat, BoundaryTriangles<Backend>& boundary) {
+  std::vector<BoundaryTriangle> triangles = boundary.triangles.download();
+  for (Index t = 0; t < std::ssize(triangles); ++t) {
+    if (!flat.contains(t)) span_of(triangles)[t].stays = kStays;
+  }
+  boundary.triangles.upload(backend, triangles);
+}
+
 /// Finds the surface and decides where its vertices may go.
 template <class Backend>
 void import_surface(const Backend& backend, const ImportInput& source, const Constraints& constraints,
@@ -163,7 +186,7 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
   const std::vector<VertexConstraint> without_links =
       moves ? work_constraints(mesh, constraints.vertices_without_links, original2vertex, work.listed_triangles)
             : work.vertex_constraints;
-  if (flips_boundary(options) || edits_surface(options)) {
+  if (flips_surface(source) || edits_surface(options)) {
     const DeviceViewOf<Backend, VertexConstraint> view(backend, without_links);
     build_boundary(backend, surface, listed, view.span(), work.boundary);
     work.boundary.bends = bends_surface(options);
@@ -189,8 +212,10 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
                                 .scale = work.scale,
                                 .max_deviation = (1 - bend_share(options)) * options.max_deviation,
                                 .slides_on = source.slides_on,
+                                .keeps_flat_patches = keeps_flat_patches(source),
                                 .original2vertex = original2vertex};
-  find_dofs(backend, work.mesh, input, work.dofs, report);
+  const FlatPatches flat = find_dofs(backend, work.mesh, input, work.dofs, report);
+  if (keeps_flat_patches(source)) hold_bent_patches(backend, flat, work.boundary);
   if (moves) import_periodic(backend, mesh, input, without_links, work, report);
   if (bends_surface(options)) let_surface_bend(backend, options, work);
   work.flips.constrained_keys.swap(edges.keys);

@@ -347,12 +347,6 @@ inline bool may_flip_boundary(const Options& options) {
   return options.flips && options.boundary_flips && options.boundary != Boundary::fixed && options.max_ring > 3;
 }
 
-/// Whether alternate() flips edges of the surface. With a bound on the deviation it does not: the vertices of flipped
-/// triangles can only drift afterwards (CheckedSurface::is_edited).
-inline bool flips_boundary(const Options& options) {
-  return may_flip_boundary(options) && !has_deviation_bound(options);
-}
-
 /// Whether vertices of the surface may be inserted and removed.
 inline bool edits_surface_vertices(const Options& options) {
   return edits_vertices(options) && options.surface_vertices != SurfaceVertices::keep;
@@ -361,6 +355,12 @@ inline bool edits_surface_vertices(const Options& options) {
 /// Whether vertices of the surface are inserted and removed, and its edges flipped in the phases after alternate().
 inline bool edits_surface(const Options& options) {
   return edits_surface_vertices(options) && may_flip_boundary(options);
+}
+
+/// Whether alternate() flips edges of the surface. With a bound on the deviation and operations on the surface it does
+/// not: the vertices of flipped triangles can only drift afterwards (CheckedSurface::is_edited).
+inline bool flips_boundary(const Options& options) {
+  return may_flip_boundary(options) && !(has_deviation_bound(options) && edits_surface(options));
 }
 
 /// The part of a bound on the deviation that is left to operations that change the triangles of the surface.

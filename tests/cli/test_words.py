@@ -159,8 +159,6 @@ class Options(CliTest):
                             (["--boundary-flips", "-nosurf"], "--boundary-flips has no effect with --boundary fixed"),
                             (["--boundary-flips", "--max-ring", "3"], "--boundary-flips has no effect with --max-ring 3"),
                             (["--no-boundary-flips", "-nomove"], "--no-boundary-flips has no effect with --max-iterations 0"),
-                            (["--boundary-flips", "--boundary", "slide", "-hausd", "0.1"],
-                             "--boundary-flips has no effect with --max-deviation"),
                             (["-noswap", "--max-ring", "5"], "--max-ring 5 has no effect with --no-flips"),
                             (["--device", "cuda", "--threads", "2"], "--threads 2 has no effect with --device cuda"),
                             (["--trace-angles"], "--trace-angles has no effect without --report")):

@@ -49,7 +49,9 @@ TEST_P(EmulationAgainstCpu, Agrees) {
   const Report again = optimize_on(Emulation(2), second, c.options, {});
   EXPECT_EQ(again.energy_after, report.energy_after);
   expect_same(first, second);
-  if (c.options.boundary != Boundary::slide) return;
+  // A given surface may be a part of one, in which flat patches are not known.
+  const bool keeps_flat_patches = c.options.max_deviation > 0 && c.options.effort != Effort::best;
+  if (c.options.boundary != Boundary::slide || keeps_flat_patches) return;
   SlideSurface surface = find_slide_surface(c.mesh, c.options);
   TetMesh given = c.mesh;
   optimize_on(Emulation(3), given, c.options, {}, &surface);

@@ -37,11 +37,11 @@ TEST(Slide, KeepsToTheBoundBothWays) {
         const auto old_skin = test::corners(before, faces);
         options.max_deviation = part * mean_edge(old_skin);
         options.effort = part == 0.01 ? Effort::best : Effort::standard;
-        options.keep_vertices = true;  // the faces below are known by their ids
+        options.keep_vertices = true;  // the edges below are known by their ids
         const Report report = optimize(after, options);
         EXPECT_TRUE(validate(after).ok());
         EXPECT_LT(report.energy_after, report.energy_before);
-        const auto new_skin = test::corners(after, faces);
+        const auto new_skin = test::corners(after, test::skin(after));
         const double there = test::sampled_distance(new_skin, ClosestTriangle(old_skin), 6);
         const double back = test::sampled_distance(old_skin, ClosestTriangle(new_skin), 6);
         EXPECT_LE(there, options.max_deviation) << "shape " << shape << " part " << part << " angle " << angle;
@@ -165,12 +165,11 @@ TEST(Slide, OnARealMeshKeepsItsFeaturesAndBound) {
   options.max_iterations = 6;
   options.effort = Effort::best;
   options.keep_vertices = true;
-  optimize(after, options);
+  EXPECT_GT(optimize(after, options).boundary_flips, 0);  // in its flat patches
   EXPECT_TRUE(validate(after).ok());
-  EXPECT_EQ(faces, test::skin(after));
   const Comparison change = compare(before, after);
   EXPECT_LT(change.vertices_to_old, 1e-12);
-  const auto new_skin = test::corners(after, faces);
+  const auto new_skin = test::corners(after, test::skin(after));
   EXPECT_LE(test::sampled_distance(new_skin, ClosestTriangle(old_skin), 4), options.max_deviation);
   EXPECT_LE(test::sampled_distance(old_skin, ClosestTriangle(new_skin), 4), options.max_deviation);
 }

@@ -21,7 +21,8 @@ TEST(SlideOn, ItsOwnSurfaceGivesTheSameBits) {
   for (int shape = 0; shape < kShapes; ++shape) {
     for (const double bound : {0.0, 0.01}) {
       Options options = options_of({shape, 2, Relocation::newton, Energy::shape, 45});
-      options.effort = shape == 1 ? Effort::best : Effort::standard;
+      // With a bound, and without operations on the surface, its own has flat patches (FlatPatches).
+      options.effort = shape == 1 || bound > 0 ? Effort::best : Effort::standard;
       options.max_deviation = bound;
       TetMesh alone = curved(shape, 2);
       TetMesh given = alone;

@@ -108,10 +108,8 @@ constexpr std::array kEffortConditions{
 constexpr std::array kBoundaryFlipConditions{
     OptionCondition{[](const Options& o) { return o.boundary == Boundary::fixed; },
                     "has no effect with boundary=fixed"},
-    kWithoutFlips,
-    OptionCondition{[](const Options& o) { return has_deviation_bound(o) && !edits_surface_vertices(o); },
-                    "has no effect with max_deviation where no vertices of the surface are inserted or removed"},
-    OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"}, kWithoutSweeps};
+    kWithoutFlips, OptionCondition{[](const Options& o) { return o.max_ring == 3; }, "has no effect with max_ring=3"},
+    kWithoutSweeps};
 constexpr OptionCondition kWithHarmonic{[](const Options& o) { return o.energy == Energy::harmonic; },
                                         "has no effect with energy=harmonic"};
 constexpr OptionCondition kWithPaper{[](const Options& o) { return o.termination == Termination::paper; },
@@ -180,13 +178,15 @@ const std::array kTable{
     OptionInfo{"open_boundaries", &Options::open_boundaries, kSurface,
                "Tagged triangles with the same region on both sides stay faces of the mesh; otherwise they are "
                "dropped"},
-    OptionInfo{"boundary_flips",
-               &Options::boundary_flips,
-               kSurface,
-               "Edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped",
-               {},
-               {},
-               kBoundaryFlipConditions},
+    OptionInfo{
+        "boundary_flips",
+        &Options::boundary_flips,
+        kSurface,
+        "Edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped; with "
+        "max_deviation, unless vertices of the surface are inserted and removed, in patches that lie in a plane",
+        {},
+        {},
+        kBoundaryFlipConditions},
     OptionInfo{"effort", &Options::effort, kMethod, "How much is done", kEfforts, {}, kEffortConditions},
     OptionInfo{
         "keep_vertices", &Options::keep_vertices, kMethod,
