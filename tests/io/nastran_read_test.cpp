@@ -98,6 +98,11 @@ TEST_F(Nastran, TenNodesInAllNotations) {
       columns("CTETRA", 8, {"1", "7", "1", "2", "3", "4", "5", "6"}, "+") + columns("+", 8, {"7", "8", "9", "10"}),
       columns("CTETRA", 8, {"1", "7", "1", "2", "3", "4", "5", "6"}, "00000012") +
           columns("+", 8, {"7", "8", "9", "10"}),
+      // The first character of a marker, column 73, may be blank; the second may be a plus.
+      columns("CTETRA", 8, {"1", "7", "1", "2", "3", "4", "5", "6"}, " ABC1") +
+          columns("+ABC1", 8, {"7", "8", "9", "10"}),
+      columns("CTETRA", 8, {"1", "7", "1", "2", "3", "4", "5", "6"}, " +00001") +
+          columns("++00001", 8, {"7", "8", "9", "10"}),
       "CTETRA,1,7,1,2,3,4,5,6,+A\n+A,7,8,9,10\n",
       "CTETRA,1,7,1,2,3,4,5,6\n,7,8,9,10\n",
       "CTETRA,1,7,1,2,3,4,5,6,+\n$ comment\n\n+,7,8,9,10,,\n",

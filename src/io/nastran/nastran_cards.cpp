@@ -38,9 +38,6 @@ std::string without_tabs(std::string_view line) {
   return text;
 }
 
-/// The part of a marker that both of its lines have: all but the first character.
-std::string_view marker_name(std::string_view marker) { return marker.substr(std::min<std::size_t>(1, marker.size())); }
-
 }  // namespace
 
 void NastranCards::read() { read_file(path_); }
@@ -159,9 +156,8 @@ void NastranCards::begin_bulk() {
 void NastranCards::continue_card(std::string_view line) {
   if (state_ == State::in_ignored) return;
   if (state_ == State::outside) fail(here_, "this line continues a card, and there is none before it");
-  // The first character of the marker of a line is + or *.
-  const std::string_view before = marker_name(card_.marker);
-  const std::string_view after = marker_name(NastranLine(line).first());
+  const std::string_view before = card_.marker_name;
+  const std::string_view after = NastranLine(line).continued_name();
   if (!before.empty() && !after.empty() && in_upper_case(before) != in_upper_case(after)) {
     fail(here_, "this line continues a card that ends with +" + nastran_shown(after) +
                     ", and the one before it ends with +" + nastran_shown(before) + "; put it below its card");
@@ -179,6 +175,7 @@ void NastranCards::add_fields(std::string_view line) {
     fail(here_, "a line of large fields has no second half before this line; start it with *");
   }
   card_.marker = parsed.marker();
+  card_.marker_name = parsed.marker_name();
   if (card_.fields.size() >= kMaxCardFields) return;
   for (std::size_t k = 0; k < parsed.size(); ++k) card_.fields.push_back(parsed.field(k));
 }
@@ -187,7 +184,7 @@ void NastranCards::flush() {
   if (state_ == State::in_card) take_(card_);
   state_ = State::outside;
   card_.fields.clear();
-  card_.marker = {};
+  card_.marker = card_.marker_name = {};
   expanded_.clear();
 }
 

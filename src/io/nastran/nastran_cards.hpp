@@ -24,6 +24,7 @@ struct NastranCard {
   std::vector<std::string_view> fields;
   /// The last field of the last line: where it has a name after the sign, another line was to follow.
   std::string_view marker;
+  std::string_view marker_name;  ///< NastranLine::marker_name()
   /// Field k, from 0; empty where the card ends before it.
   std::string_view field(std::size_t k) const { return k < fields.size() ? fields[k] : std::string_view(); }
 };

@@ -66,6 +66,9 @@ std::string shortest_notation(const Decimal& decimal, std::size_t size) {
   return {};
 }
 
+/// A marker without its first character, and without blanks around the rest.
+std::string_view without_first(std::string_view marker) { return marker.empty() ? marker : trimmed(marker.substr(1)); }
+
 }  // namespace
 
 std::string nastran_shown(std::string_view text) {
@@ -126,6 +129,16 @@ std::string_view NastranLine::field(std::size_t k) const {
     rest.remove_prefix(comma + 1);
   }
   return trimmed(rest.substr(0, rest.find(',')));
+}
+
+std::string_view NastranLine::marker_name() const {
+  return without_first(is_free_ ? marker() : columns(kMarkerColumn));
+}
+
+std::string_view NastranLine::continued_name() const { return without_first(is_free_ ? first_ : columns(0)); }
+
+std::string_view NastranLine::columns(std::size_t begin) const {
+  return begin < text_.size() ? text_.substr(begin, kSmallField) : std::string_view();
 }
 
 bool NastranLine::is_too_long() const {

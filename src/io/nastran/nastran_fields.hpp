@@ -38,10 +38,17 @@ class NastranLine {
   /// Field k, from 0; empty where the line ends before it.
   std::string_view field(std::size_t k) const;
   std::string_view marker() const { return field(size()); }
+  /// The parts of two markers that must be equal, where both are there: in fixed fields columns 74 to 80 of a line and
+  /// 2 to 8 of the one that continues it, between commas all but the first characters.
+  std::string_view marker_name() const;
+  std::string_view continued_name() const;
   /// Whether there are fields after the marker, or a number in its place.
   bool is_too_long() const;
 
  private:
+  /// A small field as it is written, from a column on that is counted from 0.
+  std::string_view columns(std::size_t begin) const;
+
   std::string_view text_, first_;
   bool is_free_;
   bool is_large_ = false;
