@@ -24,4 +24,13 @@ std::vector<std::string> declined_measures(const Quality& before, const Quality&
           " changes the worst ones and their neighbors alone"};
 }
 
+std::vector<std::string> changed_volume(const Comparison& change) {
+  constexpr double kMaxChange = 0.02;
+  if (!(change.region_volume_change > kMaxChange)) return {};
+  return {fmt::format(
+      "--boundary slide has changed the volume of a region by {:.1f} %: --max-deviation bounds the distance of the "
+      "surfaces, --boundary preserve keeps the shape",
+      100 * change.region_volume_change)};
+}
+
 }  // namespace tetune::cli

@@ -14,4 +14,8 @@ namespace tetune::cli {
 /// work to the worst elements.
 std::vector<std::string> declined_measures(const Quality& before, const Quality& after, const std::string& local);
 
+/// A warning where the volume of a region is clearly another one than in the input, as on coarse round surfaces and in
+/// thin sheets whose vertices slide; otherwise none.
+std::vector<std::string> changed_volume(const Comparison& change);
+
 }  // namespace tetune::cli

@@ -268,10 +268,22 @@ class SeriesRun {
                                            {"output", job_.output},           {"options", to_json(options_)},
                                            {"warnings", warnings_},           {"before", to_json(result_.before)},
                                            {"after", to_json(result_.after)}, {"times", entries_}};
-      write_text(job_.report, json_text(json));
+      write_report(json_text(json));
     }
     console_.print(quality_table({"first", "last"}, {result_.before, result_.after}) +
                    fmt::format("  {} of {} times written: {}\n", written_.size(), steps_.size(), job_.output));
+  }
+
+  /// Writes the report beside the meshes, which are written already.
+  void write_report(const std::string& text) {
+    try {
+      write_text(job_.report, text);
+    } catch (const FileError& e) {
+      warn(fmt::format("{}; the meshes were written", e.what()));
+      if (result_.code != kDone) return;
+      result_.code = kStoppedEarly;
+      result_.summary = "report not written";
+    }
   }
 
   const OptimizeArguments& a_;

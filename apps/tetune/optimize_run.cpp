@@ -262,11 +262,10 @@ class Run {
     if (original_ && !stopped()) {
       // Measuring the distances takes long. A bound is tested at all points; otherwise a part of them is measured, so
       // that it takes no longer than the optimization.
-      constexpr std::int64_t kMaxSamples = 25'000;
-      const bool at_all = options_.max_deviation > 0 && input_.mesh.curved_edges.empty();
-      change = compare(*original_, input_.mesh, options_.threads, at_all ? 0 : kMaxSamples);
+      const std::int64_t max_samples = options_.max_deviation > 0 && input_.mesh.curved_edges.empty() ? 0 : 25'000;
+      change = compare(*original_, input_.mesh, options_.threads, max_samples);
     }
-    if (change && options_.max_deviation > 0) check_deviation(*change);
+    if (change) check_surface(*change);
     if (result_.code == kStoppedEarly && !shows_figures()) warn(shortfall());
     if (!job_.trace.empty()) write_beside_mesh(job_.trace, trace_csv(report_));
     if (!job_.report.empty()) {
@@ -294,7 +293,8 @@ class Run {
     return blocked_text(output, fmt::format("at target {}", motion_.targets_reached + 1), motion_.fraction);
   }
 
-  void check_deviation(const Comparison& change) {
+  void check_surface(const Comparison& change) {
+    if (!(options_.max_deviation > 0)) return warn_all(changed_volume(change));
     constexpr double kRounding = 1e-6;  // relative error of distances far from the origin
     // The facets that stand for curved triangles differ from them.
     const double deviation = input_.mesh.curved_edges.empty()

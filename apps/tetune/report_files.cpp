@@ -315,6 +315,7 @@ std::vector<std::string> run_warnings(const Report& report, const std::string& d
   }
   std::vector<std::string> warnings = constraint_notes(report);
   if (!report.unchanged.empty()) warnings.push_back(report.unchanged);
+  warnings.insert(warnings.end(), report.repeated_numbers.begin(), report.repeated_numbers.end());
   warnings.insert(warnings.end(), report.curved_warnings.begin(), report.curved_warnings.end());
   if (report.transfer_stopped) {
     warnings.push_back(

@@ -39,9 +39,11 @@ inline constexpr std::array kFlipCounts{
     CountInfo<FlipCounts>{"face_removals", "face_removals", "face removals",
                           "Two or more faces between two vertices give way to the edge between them",
                           &FlipCounts::face_removals},
-    CountInfo<FlipCounts>{"boundary_flips", "boundary_flips", "boundary flips",
-                          "An edge within a flat part of the boundary or of an interface is flipped",
-                          &FlipCounts::boundary_flips}};
+    CountInfo<FlipCounts>{
+        "boundary_flips", "boundary_flips", "boundary flips",
+        "An edge of the boundary or of an interface is flipped, between triangles that are coplanar or, "
+        "with Boundary::slide, nearly so",
+        &FlipCounts::boundary_flips}};
 
 inline std::int64_t FlipCounts::flips() const {
   std::int64_t sum = 0;
@@ -54,7 +56,7 @@ inline FlipCounts& FlipCounts::operator+=(const FlipCounts& other) {
   return *this;
 }
 
-/// Numbers of all changes of the connectivity.
+/// Numbers of all changes of the connectivity, except for flips that `untangle` makes around inverted tetrahedra.
 struct OperationCounts : FlipCounts {
   std::int64_t compound_flips = 0;
   std::int64_t vertices_inserted = 0, vertices_removed = 0;
@@ -66,15 +68,15 @@ struct OperationCounts : FlipCounts {
 /// Those of kFlipCounts, then the others.
 inline constexpr auto kOperationCounts = [] {
   using Info = CountInfo<OperationCounts>;
-  constexpr std::array kOthers{
-      Info{"compound_flips", "compound_flips", "compound flips",
-           "A cavity is filled from one of its vertices, or an edge is removed together with "
-           "a move of a vertex around it",
-           &OperationCounts::compound_flips},
-      Info{"vertices_inserted", "vertices_inserted", "vertices inserted",
-           "With Effort::best, and where curved elements are split", &OperationCounts::vertices_inserted},
-      Info{"vertices_removed", "vertices_removed", "vertices removed", "With Effort::best",
-           &OperationCounts::vertices_removed}};
+  constexpr std::array kOthers{Info{"compound_flips", "compound_flips", "compound flips",
+                                    "A cavity is filled from one of its vertices, or an edge is removed together with "
+                                    "a move of a vertex around it",
+                                    &OperationCounts::compound_flips},
+                               Info{"vertices_inserted", "vertices_inserted", "vertices inserted",
+                                    "With Effort::best or SurfaceVertices::edit, and where curved elements are split",
+                                    &OperationCounts::vertices_inserted},
+                               Info{"vertices_removed", "vertices_removed", "vertices removed",
+                                    "With Effort::best or SurfaceVertices::edit", &OperationCounts::vertices_removed}};
   std::array<Info, kFlipCounts.size() + kOthers.size()> all{};
   std::size_t n = 0;
   for (const auto& c : kFlipCounts) all[n++] = {c.name, c.key, c.title, c.text, c.count};

@@ -79,10 +79,10 @@ inline constexpr std::size_t kMaxBlocking = 1000;
 /// fraction that was reached; the report says how far that is and which elements block the way. A straight way to a
 /// target approximates a rotation by a few degrees only: larger ones take several targets.
 ///
-/// Kept, renumbered and dropped is the same as by optimize(), and the result is the same bit for bit for any number of
-/// threads. Data of vertices follow their vertex. Throws as optimize() does, and OptionError if `targets` is empty, has
-/// another length than mesh.points, infinite coordinates, or no position at all, or if Options::max_deviation bounds a
-/// surface that slides; the mesh is then unchanged.
+/// The same entities are kept, renumbered and dropped as by optimize(). The result is the same bit for bit for any
+/// number of threads. Data of vertices follow their vertex. Throws as optimize() does, and OptionError if `targets` is
+/// empty, has another length than mesh.points, infinite coordinates, or no position at all, or if
+/// Options::max_deviation bounds a surface that slides; the mesh is then unchanged.
 TETUNE_API MoveReport move(TetMesh& mesh, std::span<const VertexTargets> targets, const Options& options = {},
                            const Context& context = {});
 

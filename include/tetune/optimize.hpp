@@ -21,8 +21,9 @@ namespace tetune {
 ///   that all vertices have between which they are, or 0.
 /// - Boundary::preserve and fixed keep the shape of the boundary; where it is flat, boundary_flips may replace its
 ///   triangles by others.
-/// - The energy does not increase, unless vertices are inserted or removed. Retriangulations that add tetrahedra need
-///   fewer than Options::max_growth times those of the input; flips are not limited.
+/// - Flips and sweeps lower the energy; the work on the worst elements that follows may raise its sum, in most cases
+///   slightly, unless Options::effort is fast. Retriangulations that add tetrahedra need fewer than Options::max_growth
+///   times those of the input; flips are not limited.
 ///
 /// Tetrahedra come out in another order and number. Listed triangles without a tag inside one region are no constraint
 /// and are dropped, as are untagged listed edges that no longer exist. The result is bit for bit the same for any

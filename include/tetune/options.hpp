@@ -130,9 +130,10 @@ struct Options {
   /// Maximum number of tetrahedra around an edge that a flip removes or creates, 3 to 7. With 3 there are only the
   /// paper's 3-2 and 2-3 flips; below 5 no faces are removed together.
   int max_ring = 7;
-  /// Whether edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped.
-  /// Without effect with Boundary::fixed, max_ring 3, max_iterations 0, without flips, or with max_deviation > 0 where
-  /// no vertices of the surface are inserted and removed.
+  /// Whether edges between coplanar triangles of one patch of the boundary, or of one interface, may be flipped; with
+  /// max_deviation > 0, unless vertices of the surface are inserted and removed, in patches that lie in a plane. If
+  /// not, no vertex of the surface is inserted or removed either. Without effect with Boundary::fixed, max_ring 3,
+  /// max_iterations 0 or without flips.
   bool boundary_flips = true;
   /// The quality that every element should have. It does not change the result: Report::targets says which elements
   /// miss it and what constrains them.

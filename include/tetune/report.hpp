@@ -39,12 +39,13 @@ struct FlipReport : FlipCounts {
   double seconds = 0;
 };
 
-/// One round of work on the worst elements, or on those with the smallest dihedral angles: with Effort::best vertices
-/// are inserted and removed, then edges and faces are flipped around them, then their vertices are moved. With
-/// Effort::best the first rounds are on the mean energy. `round` starts from 1 for each of the three.
+/// One round of work on the worst elements, on those with the smallest dihedral angles, or on the mean energy: with
+/// Effort::best or SurfaceVertices::edit vertices are inserted and removed, then edges and faces are flipped around
+/// them, then their vertices are moved. With Effort::best the rounds are, in this order, on the mean energy, the worst
+/// elements, the angles, restarts, and the mean energy again; `round` starts from 1 for each of them.
 struct WorstReport {
   int round = 0;
-  std::int64_t worst = 0;                  ///< number of tetrahedra worked on
+  std::int64_t worst = 0;                  ///< number of tetrahedra worked on; of spots in a round of restarts
   std::int64_t inserted = 0, removed = 0;  ///< numbers of vertices
   std::int64_t flips = 0;
   std::int64_t moved = 0;   ///< number of vertices
@@ -148,6 +149,9 @@ struct Report : OperationCounts {
   /// With DataTransfer::carry: the names of floating-point data of vertices that the improvement has moved; values of a
   /// field are then at other places than before.
   std::vector<std::string> moved_fields;
+  /// Of integer data of vertices or tetrahedra that number them in ascending order: that numbers may occur more than
+  /// once in the result, as new entities have those of the ones that they descend from.
+  std::vector<std::string> repeated_numbers;
   /// With Options::only_below, and of optimize_towards(): the reason why the mesh was left as it is; else empty.
   std::string unchanged;
   /// Of second-order meshes with Options::untangle: that the smallest angle is smaller than in the input, and that

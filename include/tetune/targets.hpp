@@ -22,7 +22,8 @@ struct Target {
 /// The strongest constraint of an element that misses a target: the first of these that applies.
 enum class LimitingConstraint : std::uint8_t {
   locked_element,    ///< the tetrahedron is required, in a frozen region, or not among those of Options::only_below
-  surface_angle,     ///< the surface has so small an angle at an edge of the element that none there can do better
+  surface_angle,     ///< the angle of the surface at an edge of the element is so small that no element there can reach
+                     ///< the target
   fixed_vertices,    ///< none of its vertices may move
   surface_element,   ///< all four vertices are on the surface
   frozen_vertex,     ///< a vertex must not move: it is required, frozen, or one of an element of another kind

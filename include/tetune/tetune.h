@@ -147,8 +147,8 @@ TETUNE_API tetune_status tetune_optimize_towards(tetune_mesh* mesh, const tetune
 /* "converged", "cancelled", ... */
 TETUNE_API const char* tetune_report_stop(const tetune_report* report);
 TETUNE_API double tetune_report_seconds(const tetune_report* report);
-/* The energy before (0) and after (1): its sum over the mesh decreases, except with effort=best, surface_vertices=edit
- * or untangle. */
+/* The energy before (0) and after (1), summed over the mesh: flips and sweeps lower it; work on the worst elements,
+ * inserted and removed vertices and untangling may raise it. */
 TETUNE_API double tetune_report_energy(const tetune_report* report, int after);
 /* For each entity of the result that of the input, -1 for an inserted vertex: tetune_mesh_count() of the result
  * entries. Null if all were kept in their order, and if the result has none. */

@@ -76,7 +76,7 @@ void transfer(Archive& archive, AnyReport& r) {
   transfer_each(archive, r.flip_passes);
   transfer_each(archive, r.worst_rounds);
   archive(r.restarts, r.restarts_kept, r.phases, r.targets);
-  archive(r.moved_fields, r.unchanged, r.curved_warnings, r.warnings, r.seconds, r.stop);
+  archive(r.moved_fields, r.repeated_numbers, r.unchanged, r.curved_warnings, r.warnings, r.seconds, r.stop);
 }
 template <class Archive, MaybeConst<MoveStep> Step>
 void transfer(Archive& archive, Step& s) {

@@ -115,9 +115,8 @@ void carry_sets(const TetMesh& mesh, const HostResult& result, const ExportRules
 }
 
 /// Replaces the listed triangles by those of the result. Those inside one region that lock nothing are dropped and
-/// counted, unless they are sides of other elements. Those whose place on the boundary others have taken are not
-/// counted.
-/// Returns the original of each.
+/// counted, unless they are sides of other elements. Those that other triangles have replaced on the boundary are not
+/// counted. Returns the original of each.
 std::vector<Index> replace_triangles(const TetMesh& mesh, const HostResult& result, const OtherElements& others,
                                      TetMesh& next, Report& report) {
   const ChangedTriangles changed = follow_changes(result.boundary, result.numbering.work2extended, mesh.triangles);

@@ -153,8 +153,8 @@ void clear_outside(const Backend& backend, WorkMesh<Backend>& mesh, Span<const s
 /// The largest result of upper_quantile().
 inline constexpr double kMaxQuantile = 1e6;
 
-/// Returns x such that at most about `max_above` of the values exceed value_of(x), by bisection of the logarithm of x
-/// to within the fraction `resolution`. x is at least 1.
+/// Returns the largest x, to within the fraction `resolution`, such that more than `max_above` of the values exceed
+/// value_of(x), or 1: values that are equal are not separated. By bisection of the logarithm of x.
 template <class Backend, class ValueOf = std::identity>
 double upper_quantile(const Backend& backend, Span<const double> values, double max_above, double resolution = 0.01,
                       const ValueOf& value_of = {}) {

@@ -88,8 +88,7 @@ Objective mean_objective(const Optimizer<Backend>& optimizer) {
 }
 
 /// Inserts and removes vertices where that lowers the mean of the criterion's objective over the mesh, in rounds around
-/// its tetrahedra of the largest energies. Reports Report::worst_rounds. Returns false
-/// when the caller cancels.
+/// its tetrahedra of the largest energies. Reports Report::worst_rounds. Returns false when the caller cancels.
 template <class Backend>
 bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, const Criterion& criterion) {
   if (!edits_vertices(optimizer.options)) return true;

@@ -72,9 +72,10 @@ struct MeanParameters {
   int max_rounds = 0;
   /// Vertices are inserted and removed at this fraction of the tetrahedra: those of the largest energies.
   double max_fraction = 0.05;
-  /// An operation must lower the energy beyond the mean by this fraction of what a cavity of mean energy has.
+  /// An operation must lower the energy beyond the mean by this fraction of the energy of as many tetrahedra of mean
+  /// energy as its cavity has.
   double min_gain = 1e-3;
-  /// A round that lowers what the mean energy is above 1 by less than this fraction is the last one.
+  /// A round that lowers the excess of the mean energy over 1 by less than this fraction is the last one.
   double min_fall = 0.01;
   /// The fraction of the growth of the mesh that insertion may use up: the smallest angles need the rest.
   double growth_fraction = 0.4;
@@ -87,9 +88,9 @@ struct MeanParameters {
 struct WorstParameters {
   /// 0: all phases after alternate() are left out (improves_worst()).
   int max_rounds = 10;
-  /// At most this fraction of the tetrahedra are among the worst,
+  /// About this fraction of the tetrahedra are the worst; those of equal energies are all included.
   double max_fraction = 3e-4;
-  /// and only those above this energy.
+  /// Only tetrahedra above this energy are among the worst.
   double min_energy = 2;
   /// The objective is the shape energy to the power 2^log2_power, in which the worst tetrahedra dominate the sum.
   int log2_power = 2;
@@ -107,13 +108,13 @@ struct AngleParameters {
   int max_rounds = 6;
   /// Rounds follow while those before have worked on fewer tetrahedra than this.
   double budget = 60;
-  /// A round works on at most this fraction of the tetrahedra, or in a small mesh on this number of them, but at most
-  /// the fraction `small_mesh_fraction`,
+  /// A round works on about the fraction `max_fraction` of the tetrahedra, or in a small mesh on `min_count` of them,
+  /// but not on more than the fraction `small_mesh_fraction`; those of equal costs are all included.
   double max_fraction = 3e-4;
   double min_count = 20;
   double small_mesh_fraction = 2e-3;
-  /// and only on those with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is the cost of about
-  /// 40 degrees, 1.01 that of 44.7.
+  /// A round works only on tetrahedra with a dihedral angle whose cost (DihedralCots::cost()) is above this: 1.2 is the
+  /// cost of about 40 degrees, 1.01 that of 44.7.
   double min_cost = 1.2;
   /// The weight of large angles in that cost.
   double obtuse_weight = 1;
@@ -123,8 +124,8 @@ struct AngleParameters {
   double min_cost_gain = 0.02;
   /// Passes per round that move vertices to where the largest cost around them is lowest.
   int opening_passes = 2;
-  /// Vertices are inserted and removed around at most this fraction of the tetrahedra, or this number of them in a
-  /// small mesh. 0: the values of Effort::best, where edits_vertices() holds.
+  /// Vertices are inserted and removed around about this fraction of the tetrahedra, or this number of them in a small
+  /// mesh. 0: the values of Effort::best, where edits_vertices() holds.
   double max_vertex_fraction = 0;
   double min_vertex_count = 0;
   /// The relative accuracy of the cost that a given number of tetrahedra exceed.

@@ -29,7 +29,7 @@ struct SmallestAngles {
         const ShapePack cosine = -dot(n[i], n[j]);
         const ShapePack square = cosine * cosine / (area2[i] * area2[j]);
         for (int l = 0; l < kShapeLanes; ++l) {
-          // The square is NaN where a face is degenerate, which must not pass.
+          // Degenerate faces, whose square is NaN, are found by the volume.
           if (!(cosine[l] <= 0 || square[l] <= cos2[l])) cos2[l] = square[l];
         }
       }

@@ -107,6 +107,13 @@ class Slide(CliTest):
             self.assertAlmostEqual(report["optimization"]["energy_after"] / report["after"][key], 1, places=9)
             self.assertNotAlmostEqual(report["optimization"]["energy_after"] / report["after"][other], 1, places=2)
 
+    def test_another_volume_is_a_warning(self):
+        # Without features the edges of the cube become round.
+        source = self.put("in.mesh", cube(3))
+        words = ("optimize", source, "-o", self.path("out.mesh"), "--boundary", "slide", "--feature-angle", "180")
+        self.assertIn("--boundary slide has changed the volume of a region by", self.run_cli(*words).stderr)
+        self.assertEqual(self.run_cli(*words, "--max-deviation", "0.1%").stderr, "")
+
     def test_same_bytes_for_any_number_of_threads(self):
         source = self.put("in.mesh", bent(cube(6)))
         for threads in (1, 2, 3):

@@ -84,7 +84,7 @@ void split_invalid(TetMesh& mesh, HeldNodes& held, Origins& origins, const Relax
     TetMesh trial = mesh;
     HeldNodes trial_held = held;
     Origins trial_origins = origins;
-    std::vector<Index> relaxed = split_edges(trial, held, left, kUnlimitedSplits, trial_origins);
+    std::vector<Index> relaxed = split_edges(trial, trial_held, left, kUnlimitedSplits, trial_origins);
     if (relaxed.empty()) return;
     trial_held.vertices.resize(trial.points.size(), 0);
     relaxed.insert(relaxed.end(), left.begin(), left.end());

@@ -11,18 +11,21 @@
 
 namespace tetune {
 
-/// The warnings of a run. They are made before the mesh changes, so that no memory is needed afterwards.
+/// The warnings of a run. They are made before the mesh changes, so that little memory is needed afterwards.
 class RunWarnings {
  public:
   RunWarnings(const TetMesh& mesh, const Options& options);
-  /// Sets Report::warnings, and Report::moved_fields where vertices have moved: in steps of the report, or
-  /// `moved_besides`. `of_run`: at most two more warnings.
+  /// Sets Report::warnings, Report::repeated_numbers, and Report::moved_fields where vertices have moved: in steps of
+  /// the report, or `moved_besides`. `of_run`: at most two more warnings.
   void add_to(Report& report, std::vector<std::string> of_run = {}, bool moved_besides = false);
 
  private:
+  void add_numbers(const std::string& text, Report& report);
+
   std::vector<std::string> warnings_;  ///< with room for more, also those of move()
   std::vector<std::string> fields_;    ///< that move with their vertices
   std::string of_fields_;
+  std::string of_vertex_numbers_, of_tet_numbers_;  ///< see Report::repeated_numbers; empty where there are none
 };
 
 /// A warning where the smallest dihedral angle of a result is below that of the input, as it may be where curved

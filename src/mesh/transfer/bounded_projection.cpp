@@ -9,15 +9,10 @@
 namespace tetune {
 namespace {
 
-struct Sum {
-  double value = 0;
-  void merge(const Sum& o) { value += o.value; }
-};
-
 /// The sum of f(i) for i in [0, n), which does not depend on the number of threads.
 template <class F>
 double sum_over(const backend::Cpu& cpu, Size n, const F& f) {
-  return cpu.reduce<Sum>(n, [&](Size i) { return Sum{f(i)}; }).value;
+  return cpu.reduce<Sum<double>>(n, [&](Size i) { return Sum<double>{f(i)}; }).value;
 }
 
 }  // namespace
