@@ -151,7 +151,7 @@ TEST(Slide, KeepsToTheBoundOnBentBoxes) {
     EXPECT_LE(distance, options.max_deviation) << seed;
     largest = std::max(largest, distance / options.max_deviation);
   }
-  EXPECT_GT(largest, 0.5);
+  EXPECT_GT(largest, test::kSanitized ? 0.3 : 0.5);  // of fewer boxes
 }
 
 TEST(Slide, OnARealMeshKeepsItsFeaturesAndBound) {
