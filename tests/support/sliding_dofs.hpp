@@ -15,10 +15,11 @@
 namespace tetune::test {
 
 /// The report of a run that moves no vertex: it counts the vertices by degrees of freedom.
-inline Report classify_sliding(TetMesh mesh, double feature_angle = 45) {
+inline Report classify_sliding(TetMesh mesh, double feature_angle = 45, double max_deviation = 0) {
   Options options;
   options.boundary = Boundary::slide;
   options.feature_angle = feature_angle;
+  options.max_deviation = max_deviation;
   options.max_iterations = 0;
   options.threads = 1;
   return optimize(mesh, options);

@@ -13,7 +13,7 @@
 namespace tetune {
 namespace {
 
-using test::cube_vertex, test::Sliding;
+using test::classify_sliding, test::cube_vertex, test::Sliding;
 
 /// The vertices of a mesh after those of flat patches got planes and lines. Vertices are numbered as in the mesh.
 struct Restricted {
@@ -80,27 +80,17 @@ TEST(FlatPatches, OfARoundShapeAreNone) {
   EXPECT_EQ(r.count(VertexDof::plane) + r.count(VertexDof::line), 0);
 }
 
-/// The report of a run that moves no vertex, with a bound on the deviation.
-Report classify_bounded(TetMesh mesh, double bound) {
-  Options options;
-  options.boundary = Boundary::slide;
-  options.max_deviation = bound;
-  options.max_iterations = 0;
-  options.threads = 1;
-  return optimize(mesh, options);
-}
-
 TEST(FlatPatches, OfOnePlaneHaveNoLineInCommon) {
   // The borders between tags.
-  const Report r = classify_bounded(test::with_patches(test::cube(4), 0.5), 0.01);
+  const Report r = classify_sliding(test::with_patches(test::cube(4), 0.5), 45, 0.01);
   EXPECT_GT(r.curve_vertices, 0);
   EXPECT_GT(r.line_vertices, 0);
   EXPECT_EQ(r.surface_vertices, 0);
 }
 
 TEST(FlatPatches, AreUsedWithABound) {
-  EXPECT_EQ(classify_bounded(test::cube(3), 0).plane_vertices, 0);
-  EXPECT_EQ(classify_bounded(test::cube(3), 0.01).plane_vertices, 24);
+  EXPECT_EQ(classify_sliding(test::cube(3), 45, 0).plane_vertices, 0);
+  EXPECT_EQ(classify_sliding(test::cube(3), 45, 0.01).plane_vertices, 24);
 }
 
 }  // namespace
