@@ -82,6 +82,15 @@ TETUNE_HD inline bool is_feature_edge(const BoundaryTriangle& t, Index a, Index 
   const int k = t.v[0] != a && t.v[0] != b ? 0 : t.v[1] != a && t.v[1] != b ? 1 : 2;
   return (t.features >> k & 1) != 0;
 }
+/// Whether two vertices have an edge of the surface. `vertex2corner`: BoundaryTriangles::vertex2corner.
+TETUNE_HD inline bool have_edge(Span<const BoundaryTriangle> triangles, const CsrView& vertex2corner, Index p,
+                                Index q) {
+  const Index end = vertex2corner.shorter(p, q);
+  for (Size c = vertex2corner.begin(end); c < vertex2corner.end(end); ++c) {
+    if (has_vertex(triangles[vertex2corner.items[c] / 3], p ^ q ^ end)) return true;
+  }
+  return false;
+}
 /// Whether two triangles are in one patch.
 TETUNE_HD inline bool in_one_patch(const BoundaryTriangle& t, const BoundaryTriangle& u) {
   return t.tag == u.tag && (t.listed < 0) == (u.listed < 0);

@@ -332,6 +332,38 @@ TEST(SurfaceEdit, EarlyInsertedVerticesAreOnTheInputSurface) {
   EXPECT_GT(inserted, 10);
 }
 
+/// A flat block with voids of one tetrahedron each, of which all faces are listed.
+TetMesh with_voids(std::uint32_t seed) {
+  TetMesh m = test::cube(5, 0.3, seed);
+  for (Point3& p : m.points) p[2] *= 0.3;
+  const auto is_inner = [&m](Index v) {
+    const Point3& p = span_of(m.points)[v];
+    return p[0] > 0 && p[0] < 1 && p[1] > 0 && p[1] < 1;
+  };
+  std::vector<std::array<Index, 4>> kept;
+  for (std::size_t t = 0; t < m.tets.size(); ++t) {
+    const bool is_void = t % 23 == seed && std::all_of(m.tets[t].begin(), m.tets[t].end(), is_inner);
+    if (!is_void) kept.push_back(m.tets[t]);
+  }
+  m.tets = kept;
+  m.tet_tags.assign(kept.size(), 1);
+  for (const test::SkinFace& f : test::skin(m)) m.triangles.push_back(f.v);
+  m.triangle_tags.assign(m.triangles.size(), 1);
+  return m;
+}
+
+/// The last vertex of a void, or a contraction at a handle of three edges, would make two triangles one face.
+TEST(SurfaceEdit, VoidsDoNotClose) {
+  for (std::uint32_t seed = 1; seed <= (test::kSanitized ? 2U : 8U); ++seed) {
+    TetMesh m = with_voids(seed);
+    ASSERT_TRUE(validate(m).ok()) << validate(m).message(false);
+    Options options = bending();
+    options.feature_angle = 180;
+    optimize(m, options);
+    EXPECT_EQ(m.triangles.size(), test::skin(m).size()) << seed;
+  }
+}
+
 TEST(SurfaceEdit, OnACurvedSurfaceIsTheSameForAnyNumberOfThreads) {
   expect_same_for_any_number_of_threads(curved(2), bending());
 }

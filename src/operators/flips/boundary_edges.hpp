@@ -93,7 +93,8 @@ struct FindEdge {
     if (t.stays == kStays || t.stays != u.stays || !in_one_patch(t, u)) return false;
     const bool may_bend = flips_bend && !is_paired(e);
     if (flips_bend && !may_bend && is_feature_edge(t, e.a, e.b)) return false;
-    return (may_bend || is_flat(e)) && (!adds_deviation(e) || deviation_after(e) < kInfeasible) && !is_edge(e.p, e.q);
+    return (may_bend || is_flat(e)) && (!adds_deviation(e) || deviation_after(e) < kInfeasible) &&
+           !have_edge(triangles, vertex2corner, e.p, e.q);
   }
   /// Whether a flip adds to the deviation of its triangles. Triangles that are coplanar need not be so in the edited
   /// surface.
@@ -180,13 +181,6 @@ struct FindEdge {
     const double xx = dot(x, x);
     const double yy = dot(y, y);
     return std::sqrt(xx > yy ? xx : yy);
-  }
-  TETUNE_HD bool is_edge(Index p, Index q) const {
-    const Index end = vertex2corner.shorter(p, q);
-    for (Size c = vertex2corner.begin(end); c < vertex2corner.end(end); ++c) {
-      if (has_vertex(triangles[vertex2corner.items[c] / 3], p ^ q ^ end)) return true;
-    }
-    return false;
   }
 };
 

@@ -28,7 +28,8 @@ struct SurfaceContraction {
     const SurfaceSimplex simplex{{v, -1, -1}, 1};
     const int max_tets = p.is_selective ? kMaxTets : kMaxStarTets;
     if (!star.take_surface(t, simplex, max_tets, p.team) || !(p.surface.bends || keeps_planes(p, star, v, apex)) ||
-        !star.keeps_faces_of(apex) || !p.surface.find_replaced(star, simplex, replaced)) {
+        !star.keeps_faces_of(apex) || !p.surface.find_replaced(star, simplex, replaced) ||
+        touches_surface(p, star, v, apex)) {
       return;
     }
     if (p.is_contracted_earlier(star, apex, t)) return;
@@ -61,6 +62,30 @@ struct SurfaceContraction {
     for (int i = 0; i < replaced.count; ++i) {
       const BoundaryTriangle& t = p.surface.triangles[replaced.triangle[i]];
       if (has_vertex(t, apex)) return p.dof[v] == VertexDof::surface || is_feature_edge(t, v, apex);
+    }
+    return false;
+  }
+  /// Whether an edge or triangle that the contraction would make is on the surface already: parts of the surface would
+  /// touch there, or two of its triangles be one face (the link condition of Dey et al. 1999).
+  TETUNE_HD static bool touches_surface(const StarContext& p, const StarCavity& star, Index v, Index apex) {
+    for (int i = 0; i < star.base_count(); ++i) {
+      LinkFace f = star.base(i);
+      if (has_vertex(f, apex)) continue;
+      for (Index& w : f.v) {
+        if (w == v) {
+          w = apex;
+        } else if (!is_beside_edge(star, apex, w) && have_edge(p.surface.triangles, p.surface.vertex2corner, apex, w)) {
+          return true;
+        }
+      }
+      if (find_triangle(p.surface.triangles, p.surface.vertex2corner, f.v) >= 0) return true;
+    }
+    return false;
+  }
+  /// Whether a triangle at the removed vertex has both vertices.
+  TETUNE_HD static bool is_beside_edge(const StarCavity& star, Index apex, Index w) {
+    for (int i = 0; i < star.base_count(); ++i) {
+      if (has_vertex(star.base(i), apex) && has_vertex(star.base(i), w)) return true;
     }
     return false;
   }
