@@ -2,20 +2,12 @@
 // Decks of second-order tetrahedra.
 #include <algorithm>
 
-#include "io_fixture.hpp"
+#include "inp_fixture.hpp"
 
 namespace tetune::test {
 namespace {
 
 using InpMiddles = IoTest;
-
-/// Two tetrahedra with the common face 2, 3, 4, and after their vertices the mid-side nodes, those of the face 12
-/// to 14.
-const std::string kTwoQuadratic =
-    "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n5, 1., 1., 1.\n"
-    "12, 0.5, 0.5, 0.\n13, 0., 0.5, 0.5\n14, 0.5, 0., 0.5\n21, 0.5, 0., 0.\n22, 0., 0.5, 0.\n23, 0., 0., 0.5\n"
-    "31, 1., 0.5, 0.5\n32, 0.5, 1., 0.5\n33, 0.5, 0.5, 1.\n"
-    "*ELEMENT, TYPE=C3D10\n1, 1, 2, 3, 4, 21, 12, 22, 23,\n14, 13\n2, 2, 3, 4, 5, 12, 13, 14, 31, 32, 33\n";
 
 TEST_F(InpMiddles, AMiddleThatACardNamesHoldsItsEdge) {
   TetMesh m = read_mesh(put("a.inp", kTwoQuadratic + "*CLOAD\n13, 1, 5.\n"), nullptr, 1);

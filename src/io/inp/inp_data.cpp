@@ -132,6 +132,14 @@ void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, In
   check_count(cursor, scan.other_nodes.size(), kMaxEntries);
 }
 
+void read_inp_triangle(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan) {
+  const Index element = to_index(scan.model.element_labels.size());
+  const Index card = to_index(scan.model.triangle_cards.size() - 1);
+  const bool has_middles = type.role == InpElementType::Role::quadratic_triangle;
+  scan.model.triangles.push_back({element, card, cursor.at(), {-1, -1, -1}, has_middles});
+  read_inp_other(cursor, type, set, scan);
+}
+
 void read_inp_set_line(InpCursor& cursor, const InpCardKind& kind, InpScan& scan) {
   InpSetLines& lines = scan.set_lines.back();
   const bool generates = scan.model.set_cards.back().generates;

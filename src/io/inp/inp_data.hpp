@@ -15,6 +15,8 @@ namespace tetune {
 void read_inp_nodes(InpCursor& cursor, InpModel& model);
 /// Reads the lines of tetrahedra up to the next that is none. `set`: that of their card, or -1.
 void read_inp_tets(InpCursor& cursor, Index set, InpScan& scan);
+/// Reads one triangle of the last card of triangles.
+void read_inp_triangle(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan);
 /// Reads one element of another type.
 void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, InpScan& scan);
 /// Reads a line of the last set card.

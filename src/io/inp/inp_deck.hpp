@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -19,21 +20,33 @@ namespace tetune {
 
 /// A part of the text of a deck, in the order of the file; the contents of included files stand in their place.
 struct InpPiece {
-  enum class Kind { text, nodes, tets, set, faces, condition };
+  enum class Kind { text, nodes, tets, triangles, set, faces, condition };
   Kind kind = Kind::text;
   std::string_view text;
-  /// The position of the card in a list of InpModel: node_cards or tet_cards for the kinds nodes and tets, set_cards
-  /// for set, face_cards for faces, conditions for condition.
+  /// The position of the card in a list of InpModel: node_cards, tet_cards or triangle_cards for the kinds nodes, tets
+  /// and triangles, set_cards for set, face_cards for faces, conditions for condition.
   Index card = -1;
-  /// The nodes or tetrahedra that it defines, one after another.
+  /// The nodes, tetrahedra or triangles that it defines, one after another.
   Index first = 0, last = 0;
 };
 
-/// A *NODE card, or an *ELEMENT card of tetrahedra.
+/// A *NODE card, or an *ELEMENT card of tetrahedra or triangles.
 struct InpEntityCard {
   Index set = -1;    ///< that its entities are in
   Index first = 0;   ///< the first of its entities
   std::string type;  ///< of elements
+};
+
+/// An element with the shape of a triangle, as a shell or a membrane.
+struct InpTriangle {
+  Index element;
+  Index card;  ///< position in InpModel::triangle_cards
+  const char* line;
+  std::array<Index, 3> vertices;  ///< nodes, as listed
+  bool has_middles;
+  /// Whether it is a face of tetrahedra, and changes with these; else it stays.
+  bool is_face = false;
+  int tag = 0;  ///< of its patch, where it is a face
 };
 
 /// A set of nodes or elements: all cards of one name.
@@ -61,8 +74,9 @@ struct InpSet {
   std::vector<int> regions;
   /// Tags of the quadrilaterals in a set of elements.
   std::vector<int> quads;
-  /// Face groups with all vertices in a set of nodes, and tags of such patches.
+  /// Face groups with all vertices in a set of nodes.
   std::vector<Index> groups;
+  /// Tags of the patches with all vertices in a set of nodes; of those of triangles in a set of elements.
   std::vector<int> patches;
 };
 
@@ -143,7 +157,9 @@ struct InpRegion {
 /// The triangles of one tag.
 struct InpPatch {
   int tag;
-  std::vector<InpPatchMember> members;
+  std::vector<InpPatchMember> members{};
+  Index card = -1;            ///< the *ELEMENT card of which the triangles are elements, or -1
+  std::vector<Index> sets{};  ///< that have these elements
 };
 
 /// The contents of a deck.
@@ -175,6 +191,9 @@ struct InpModel {
   std::vector<Index> tet2card;
   std::vector<InpEntityCard> tet_cards;
 
+  std::vector<InpTriangle> triangles;  ///< in the order of elements
+  std::vector<InpEntityCard> triangle_cards;
+
   std::vector<InpSet> sets;
   std::vector<InpSetCard> set_cards;
   std::vector<InpFaceGroup> face_groups;
@@ -193,6 +212,12 @@ struct InpModel {
   /// The position of a node or element with this number, or -1.
   Index node(std::int64_t label) const { return position(nodes, label); }
   Index element(std::int64_t label) const { return position(elements, label); }
+  /// The position in `triangles` of an element, or -1.
+  Index triangle(Index element) const {
+    const auto at = std::lower_bound(triangles.begin(), triangles.end(), element,
+                                     [](const InpTriangle& t, Index e) { return t.element < e; });
+    return at == triangles.end() || at->element != element ? -1 : to_index(at - triangles.begin());
+  }
 
  private:
   static Index position(const NumberIndex& index, std::int64_t label) {

@@ -28,7 +28,7 @@ bool points_away(const std::array<Index, 4>& tet, const std::array<Index, 3>& tr
   return inversions % 2 == 0;
 }
 
-/// The surface or card of loads that a patch is of first; a patch of no such card is of a set of nodes.
+/// The surface or card of loads that a patch is of first, or else its elements or set of nodes.
 std::string name_of(const InpModel& model, const InpPatch& patch) {
   for (const InpFaceCard& card : model.face_cards) {
     for (const InpPatchMember& member : patch.members) {
@@ -36,6 +36,7 @@ std::string name_of(const InpModel& model, const InpPatch& patch) {
       return card.name.empty() ? "a load on faces" : "the surface " + card.name;
     }
   }
+  if (patch.card >= 0) return "*ELEMENT, TYPE=" + span_of(model.triangle_cards)[patch.card].type;
   return "a set of nodes";
 }
 

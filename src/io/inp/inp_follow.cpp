@@ -45,7 +45,6 @@ class InpFollower {
 
   InpChanges follow(const IoContext& context) {
     inserted_ = find_inp_inserted(model_, mesh_, match_, middles_);
-    changes_.cards_after_tets.resize(model_.tet_cards.size());
     faces_ = find_inp_faces(model_, mesh_, match_);
     follow_faces();
     add_elements();
@@ -148,16 +147,30 @@ class InpFollower {
     return text;
   }
 
-  void add_elements() {
-    for (std::size_t c = 0; c < match_.added.size(); ++c) {
+  /// Adds elements with new numbers to the sets of the regions or patches of their tags. Returns the further cards
+  /// after each of the cards.
+  template <class Regions>
+  std::vector<std::string> add_elements(const std::vector<std::vector<Index>>& added,
+                                        const std::vector<InpEntityCard>& cards,
+                                        const std::vector<std::int64_t>& labels, const std::vector<int>& tags,
+                                        const Regions& regions) {
+    std::vector<std::string> texts;
+    for (std::size_t c = 0; c < added.size(); ++c) {
       std::set<Index> sets;
-      for (const Index t : match_.added[c]) {
-        const InpRegion& region = span_of(model_.regions)[find_inp_tag(model_.regions, span_of(mesh_.tet_tags)[t])];
-        add(span_of(match_.tet_labels)[t], region.sets, model_.tet_cards[c].set);
+      for (const Index i : added[c]) {
+        const auto& region = span_of(regions)[find_inp_tag(regions, span_of(tags)[i])];
+        add(span_of(labels)[i], region.sets, cards[c].set);
         sets.insert(region.sets.begin(), region.sets.end());
       }
-      changes_.cards_after_tets[c] = further_cards({sets.begin(), sets.end()});
+      texts.push_back(further_cards({sets.begin(), sets.end()}));
     }
+    return texts;
+  }
+  void add_elements() {
+    changes_.cards_after_tets =
+        add_elements(match_.added, model_.tet_cards, match_.tet_labels, mesh_.tet_tags, model_.regions);
+    changes_.cards_after_triangles = add_elements(match_.added_triangles, model_.triangle_cards, match_.triangle_labels,
+                                                  mesh_.triangle_tags, model_.patches);
   }
 
   void add_nodes() {
@@ -250,6 +263,13 @@ class InpFollower {
     return sets;
   }
 
+  /// Whether the mesh has an element with the number of this one.
+  bool has_element(Index element) const {
+    if (const Index t = span_of(model_.element2tet)[element]; t >= 0) return span_of(match_.old2tet)[t] >= 0;
+    const Index triangle = model_.triangle(element);
+    return triangle < 0 || !span_of(model_.triangles)[triangle].is_face || span_of(match_.old2triangle)[triangle] >= 0;
+  }
+
   std::optional<std::string> set_card(std::size_t c) {
     const InpSetCard& card = model_.set_cards[c];
     const InpSet& set = span_of(model_.sets)[card.set];
@@ -258,11 +278,9 @@ class InpFollower {
     for (const Index member : card.members) {
       const std::int64_t label =
           set.of_nodes ? span_of(model_.node_labels)[member] : span_of(model_.element_labels)[member];
-      const Index tet = set.of_nodes ? -1 : span_of(model_.element2tet)[member];
       const bool stays = set.of_nodes       ? span_of(match_.node2vertex)[member] >= 0
-                         : tet < 0          ? true
                          : set.is_auxiliary ? auxiliary_members_[card.set].count(label) != 0
-                                            : span_of(match_.old2tet)[tet] >= 0;
+                                            : has_element(member);
       if (stays) labels.push_back(label);
     }
     bool is_same = labels.size() == card.members.size();

@@ -19,8 +19,8 @@ struct InpChanges {
   bool appends_nodes = false;
   /// Further cards of sets, after the last node.
   std::string cards_after_nodes;
-  /// Further cards of sets, after the last tetrahedron of each *ELEMENT card.
-  std::vector<std::string> cards_after_tets;
+  /// Further cards of sets, after the last element of each *ELEMENT card of tetrahedra, and of triangles.
+  std::vector<std::string> cards_after_tets, cards_after_triangles;
   /// Lines of inserted nodes, per entry of InpModel::conditions.
   std::vector<std::string> conditions;
 };

@@ -139,7 +139,7 @@ constexpr std::array<InpTypeEntry, 9> kInpSolidTypes{{
     {"3D6", {InpRole::block, 6, "Prisms"}},
     {"3D8", {InpRole::block, 8, "Hexahedra"}},
 }};
-constexpr std::array<InpTypeEntry, 28> kInpOtherTypes{{
+constexpr std::array<InpTypeEntry, 34> kInpOtherTypes{{
     {"STRI3", {InpRole::triangle, 3}},
     {"S3", {InpRole::triangle, 3}},
     {"DS3", {InpRole::triangle, 3}},
@@ -167,7 +167,13 @@ constexpr std::array<InpTypeEntry, 28> kInpOtherTypes{{
     {"B31", {InpRole::edge, 2}},
     {"T3D2", {InpRole::edge, 2}},
     {"RB3D2", {InpRole::edge, 2}},
-    {"S6", {InpRole::unknown, 6}},
+    {"STRI65", {InpRole::quadratic_triangle, 6}},
+    {"S6", {InpRole::quadratic_triangle, 6}},
+    {"DS6", {InpRole::quadratic_triangle, 6}},
+    {"M3D6", {InpRole::quadratic_triangle, 6}},
+    {"SFM3D6", {InpRole::quadratic_triangle, 6}},
+    {"CPS6", {InpRole::quadratic_triangle, 6}},
+    {"CPE6", {InpRole::quadratic_triangle, 6}},
 }};
 
 /// Whether a type is this name, with any characters but digits after it.

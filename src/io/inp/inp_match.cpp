@@ -32,7 +32,10 @@ class InpMatcher {
     }
     match_vertices();
     match_tets();
+    last_label_ = *std::max_element(model_.element_labels.begin(), model_.element_labels.end());
     number_changed();
+    match_triangles();
+    number_changed_triangles();
     return std::move(match_);
   }
 
@@ -113,7 +116,6 @@ class InpMatcher {
     }
     for (std::vector<Index>& list : missing) std::reverse(list.begin(), list.end());
     match_.added.resize(model_.tet_cards.size());
-    std::int64_t next = *std::max_element(model_.element_labels.begin(), model_.element_labels.end());
     for (Index t = 0; t < std::ssize(mesh_.tets); ++t) {
       if (span_of(match_.tet_labels)[t] != 0) continue;
       const int tag = span_of(mesh_.tet_tags)[t];
@@ -124,7 +126,7 @@ class InpMatcher {
       }
       std::vector<Index>& free = span_of(missing)[region];
       if (free.empty()) {
-        span_of(match_.tet_labels)[t] = ++next;
+        span_of(match_.tet_labels)[t] = ++last_label_;
         span_of(match_.added)[span_of(last_card)[region]].push_back(t);
       } else {
         take(free.back(), t);
@@ -133,8 +135,63 @@ class InpMatcher {
     }
   }
 
+  void match_triangles() {
+    std::vector<std::pair<std::array<Index, 3>, Index>> by_nodes;
+    for (Index old = 0; old < std::ssize(model_.triangles); ++old) {
+      const InpTriangle& t = span_of(model_.triangles)[old];
+      if (t.is_face) by_nodes.emplace_back(ascending(t.vertices), old);
+    }
+    std::sort(by_nodes.begin(), by_nodes.end());
+    match_.old2triangle.assign(model_.triangles.size(), -1);
+    match_.is_same_triangle.assign(model_.triangles.size(), 0);
+    match_.triangle_labels.assign(mesh_.triangles.size(), 0);
+    if (by_nodes.empty()) return;
+    for (Index i = 0; i < std::ssize(mesh_.triangles); ++i) {
+      std::array<Index, 3> nodes = span_of(mesh_.triangles)[i];
+      for (Index& v : nodes) v = span_of(match_.vertex2node)[v];
+      const auto at = std::lower_bound(by_nodes.begin(), by_nodes.end(), std::pair{ascending(nodes), Index{0}});
+      if (at == by_nodes.end() || at->first != ascending(nodes)) continue;
+      const InpTriangle& old = span_of(model_.triangles)[at->second];
+      if (old.tag != span_of(mesh_.triangle_tags)[i] || span_of(match_.old2triangle)[at->second] >= 0) continue;
+      take_triangle(at->second, i);
+      span_of(match_.is_same_triangle)[at->second] = is_rotation(nodes, old.vertices) ? 1 : 0;
+    }
+  }
+  static bool is_rotation(std::array<Index, 3> a, const std::array<Index, 3>& b) {
+    std::rotate(a.begin(), std::find(a.begin(), a.end(), b[0]), a.end());
+    return a == b;
+  }
+  void take_triangle(Index old, Index i) {
+    span_of(match_.old2triangle)[old] = i;
+    span_of(match_.triangle_labels)[i] = span_of(model_.element_labels)[span_of(model_.triangles)[old].element];
+  }
+
+  void number_changed_triangles() {
+    std::vector<std::vector<Index>> missing(model_.patches.size());
+    for (Index old = to_index(model_.triangles.size()) - 1; old >= 0; --old) {
+      const InpTriangle& t = span_of(model_.triangles)[old];
+      if (!t.is_face || span_of(match_.old2triangle)[old] >= 0) continue;
+      span_of(missing)[find_inp_tag(model_.patches, t.tag)].push_back(old);
+    }
+    match_.added_triangles.resize(model_.triangle_cards.size());
+    for (Index i = 0; i < std::ssize(mesh_.triangles); ++i) {
+      const Index patch = find_inp_tag(model_.patches, span_of(mesh_.triangle_tags)[i]);
+      const Index card = patch < 0 ? -1 : span_of(model_.patches)[patch].card;
+      if (card < 0 || span_of(match_.triangle_labels)[i] != 0) continue;
+      std::vector<Index>& free = span_of(missing)[patch];
+      if (free.empty()) {
+        span_of(match_.triangle_labels)[i] = ++last_label_;
+        span_of(match_.added_triangles)[card].push_back(i);
+      } else {
+        take_triangle(free.back(), i);
+        free.pop_back();
+      }
+    }
+  }
+
   const InpModel& model_;
   const TetMesh& mesh_;
+  std::int64_t last_label_ = 0;  ///< of elements
   InpMatch match_;
 };
 

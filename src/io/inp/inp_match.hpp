@@ -30,9 +30,15 @@ struct InpMatch {
   std::vector<std::uint8_t> is_same;
   /// Per *ELEMENT card of tetrahedra those with new numbers.
   std::vector<std::vector<Index>> added;
+
+  /// Likewise for triangles that are elements and faces of tetrahedra; other triangles have the number 0.
+  std::vector<std::int64_t> triangle_labels;
+  std::vector<Index> old2triangle;  ///< per entry of InpModel::triangles
+  std::vector<std::uint8_t> is_same_triangle;
+  std::vector<std::vector<Index>> added_triangles;
 };
 
-/// Finds the tetrahedra of a deck that are unchanged; the others of a region get the numbers of those that the region
+/// Finds the elements of a deck that are unchanged; the others of a region or patch get the numbers of those that it
 /// has lost, then new ones. Throws FileError where the mesh is not of this deck.
 InpMatch match_inp(const InpModel& model, const TetMesh& mesh);
 

@@ -180,10 +180,10 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
     if (!set.of_nodes) volumes.add(set, set.regions);
   }
   const std::vector<std::vector<int>> group2tags = tags_of_face_groups(model);
-  std::set<std::string> surfaces;
+  std::set<std::string> taken;
   for (const InpFaceCard& card : model.face_cards) {
     if (card.name.empty()) continue;
-    surfaces.insert(card.key);
+    taken.insert(card.key);
     std::vector<int> tags;
     for (const Index g : card.groups) {
       tags.insert(tags.end(), span_of(group2tags)[g].begin(), span_of(group2tags)[g].end());
@@ -192,10 +192,40 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
     patches.add(card, tags);
   }
   for (const InpSet& set : model.sets) {
-    if (!set.of_nodes || !set.regions.empty() || surfaces.count(set.key) != 0) continue;
+    if (!set.of_nodes && !set.patches.empty() && taken.insert(set.key).second) patches.add(set, set.patches);
+  }
+  for (const InpSet& set : model.sets) {
+    if (!set.of_nodes || !set.regions.empty() || taken.count(set.key) != 0) continue;
     patches.add(set, set.patches);
   }
   for (const InpSet& set : model.sets) patches.add(set, tags_of_quads(set, model));
+}
+
+/// Holds the sets whose nodes other cards pair or load one by one, and those nested in them. Throws FileError where
+/// one of these has the nodes of elements, which change.
+void hold_sets(const InpScan& scan, InpModel& model) {
+  for (InpSet& set : model.sets) {
+    set.is_held |= set.of_nodes && (scan.paired.count(set.key) != 0 || scan.loaded.count(set.key) != 0);
+  }
+  for (bool is_changed = true; is_changed;) {
+    is_changed = false;
+    for (const InpSetCard& card : model.set_cards) {
+      if (!span_of(model.sets)[card.set].is_held) continue;
+      for (const Index s : card.nested) {
+        InpSet& nested = span_of(model.sets)[s];
+        is_changed |= !nested.is_held;
+        nested.is_held = true;
+      }
+    }
+  }
+  for (std::size_t c = 0; c < model.set_cards.size(); ++c) {
+    const InpSet& set = span_of(model.sets)[model.set_cards[c].set];
+    if (!set.is_held || !model.set_cards[c].follows_elements) continue;
+    const bool is_loaded = scan.loaded.count(set.key) != 0;
+    scan.set_places[c].fail((is_loaded ? "a load acts on each node of the set " + set.name + ", and these nodes"
+                                       : "the order of the set " + set.name + " matters, and its nodes") +
+                            " would change with the elements; list them by number");
+  }
 }
 
 /// Holds the nodes and elements that other cards name by number.
@@ -217,6 +247,8 @@ void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
 void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context) {
   find_auxiliary_sets(scan, model);
   InpRegions(scan, model, mesh).make();
+  find_inp_triangles(scan, model, mesh);
+  hold_sets(scan, model);
   find_inp_patches(scan, model, mesh, context);
   add_groups(model, mesh);
   hold_labels(scan, model, mesh);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the surfaces of a deck, and sets of nodes on its boundary, to triangles with tags.
+// From the surfaces of a deck, elements on faces, and sets of nodes on its boundary, to triangles with tags.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -35,7 +35,7 @@ class InpPatches {
 
   void find() {
     find_reversed();
-    hold_sets();
+    add_elements();
     for (std::size_t g = 0; g < model_.face_groups.size(); ++g) {
       const std::vector<InpFace>& faces = model_.face_groups[g].faces;
       for (const InpFace& f : faces) {
@@ -85,8 +85,40 @@ class InpPatches {
     return face;
   }
 
-  /// Adds a face to a patch: of the group with this number, or of the set of nodes with minus this number - 1. The
-  /// faces of a group have a side, those of a set have none.
+  /// The numbers of sets and of *ELEMENT cards of triangles as members of combinations; those of face groups are from
+  /// 0.
+  static Index member_of_set(Index s) { return -1 - s; }
+  Index member_of_card(Index c) const { return -1 - to_index(model_.sets.size()) - c; }
+  static bool is_group(Index member) { return member >= 0; }
+  bool is_set(Index member) const { return !is_group(member) && set_of(member) < std::ssize(model_.sets); }
+  static Index set_of(Index member) { return -1 - member; }
+  Index card_of(Index member) const { return set_of(member) - to_index(model_.sets.size()); }
+
+  /// Adds the elements that are faces of tetrahedra, to patches by their card and their sets.
+  void add_elements() {
+    std::vector<Index> position(model_.triangles.size(), -1);
+    for (std::size_t i = 0; i < position.size(); ++i) {
+      const InpTriangle& t = model_.triangles[i];
+      if (!t.is_face) continue;
+      position[i] = to_index(triangles_.size());
+      positions_.emplace(ascending(t.vertices), position[i]);
+      triangles_.push_back(t.vertices);
+      combination_.push_back(combinations_.with(0, {member_of_card(t.card), 0}));
+      elements_.push_back(to_index(i));
+    }
+    for (Index s = 0; s < std::ssize(model_.sets) && !elements_.empty(); ++s) {
+      if (span_of(model_.sets)[s].of_nodes) continue;
+      for (const Index e : span_of(model_.sets)[s].members) {
+        const Index i = model_.triangle(e);
+        if (i < 0 || span_of(position)[i] < 0) continue;
+        Index& combination = span_of(combination_)[span_of(position)[i]];
+        combination = combinations_.with(combination, {member_of_set(s), 0});
+      }
+    }
+  }
+
+  /// Adds a face to a patch: of a face group or of a set of nodes. The faces of a group have a side, those of a set
+  /// have none.
   void add(Index tet, int opposite, Index member) {
     const std::array<Index, 3> face = outward_face(tet, opposite);
     std::array<Index, 3> key = face;
@@ -98,40 +130,13 @@ class InpPatches {
     }
     const auto& listed = span_of(triangles_)[at->second];
     const auto first = to_size_t(std::find(listed.begin(), listed.end(), face[0]) - listed.begin());
-    const bool has_side = member >= 0;
+    const bool has_side = is_group(member);
     const bool same_sense = listed[(first + 1) % 3] == face[1];
     Index& combination = span_of(combination_)[at->second];
     combination = combinations_.with(combination, {member, has_side && !same_sense ? 1 : 0});
   }
 
   // Sets of nodes.
-
-  /// Holds the sets whose nodes other cards pair or load one by one, and those nested in them. Throws FileError where
-  /// one of these has the nodes of elements, which change.
-  void hold_sets() {
-    for (InpSet& set : model_.sets) {
-      set.is_held |= set.of_nodes && (scan_.paired.count(set.key) != 0 || scan_.loaded.count(set.key) != 0);
-    }
-    for (bool is_changed = true; is_changed;) {
-      is_changed = false;
-      for (const InpSetCard& card : model_.set_cards) {
-        if (!span_of(model_.sets)[card.set].is_held) continue;
-        for (const Index s : card.nested) {
-          InpSet& nested = span_of(model_.sets)[s];
-          is_changed |= !nested.is_held;
-          nested.is_held = true;
-        }
-      }
-    }
-    for (std::size_t c = 0; c < model_.set_cards.size(); ++c) {
-      const InpSet& set = span_of(model_.sets)[model_.set_cards[c].set];
-      if (!set.is_held || !model_.set_cards[c].follows_elements) continue;
-      const bool is_loaded = scan_.loaded.count(set.key) != 0;
-      scan_.set_places[c].fail((is_loaded ? "a load acts on each node of the set " + set.name + ", and these nodes"
-                                          : "the order of the set " + set.name + " matters, and its nodes") +
-                               " would change with the elements; list them by number");
-    }
-  }
 
   /// The tetrahedra at each vertex, found for the first set that needs them.
   const VertexTets& vertex2tets() {
@@ -257,7 +262,7 @@ class InpPatches {
       const auto next = std::find_if(face, faces.end(), [face](const FaceOfTet& f) { return *face < f; });
       const auto tag_of = [this](const FaceOfTet& f) { return span_of(mesh_.tet_tags)[f.tet]; };
       if (next - face != 2 || tag_of(face[0]) != tag_of(face[1])) {
-        add(face->tet, face->opposite, -1 - set);
+        add(face->tet, face->opposite, member_of_set(set));
         reached.insert(reached.end(), face->vertices.begin(), face->vertices.end());
       }
       face = next;
@@ -287,23 +292,36 @@ class InpPatches {
     for (const Index c : combination_) occurs[to_size_t(c)] = true;
     for (std::size_t c = 0; c < names.size(); ++c) {
       for (const InpPatchMember& m : combinations_.of(to_index(c))) {
-        names[c].push_back(m.group >= 0 ? span_of(group_names)[m.group] : span_of(model_.sets)[-1 - m.group].name);
+        if (is_group(m.group)) names[c].push_back(span_of(group_names)[m.group]);
+        if (is_set(m.group)) names[c].push_back(span_of(model_.sets)[set_of(m.group)].name);
       }
     }
     const std::vector<int> tags = number_inp_tags(names, occurs, "Surface");
     for (std::size_t c = 1; c < tags.size(); ++c) {
-      if (!occurs[c]) continue;
-      InpPatch patch{tags[c], {}};
-      for (const InpPatchMember& m : combinations_.of(to_index(c))) {
-        if (m.group >= 0) patch.members.push_back(m);
-        if (m.group < 0) span_of(model_.sets)[-1 - m.group].patches.push_back(patch.tag);
-      }
-      model_.patches.push_back(std::move(patch));
+      if (occurs[c]) add_patch(to_index(c), tags[c]);
     }
     std::sort(model_.patches.begin(), model_.patches.end(), [](const auto& a, const auto& b) { return a.tag < b.tag; });
     take_patches_of_groups();
     mesh_.triangles.insert(mesh_.triangles.end(), triangles_.begin(), triangles_.end());
     for (const Index c : combination_) mesh_.triangle_tags.push_back(span_of(tags)[c]);
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+      span_of(model_.triangles)[elements_[i]].tag = span_of(tags)[combination_[i]];
+    }
+  }
+  void add_patch(Index combination, int tag) {
+    InpPatch patch{tag};
+    for (const InpPatchMember& m : combinations_.of(combination)) {
+      if (is_group(m.group)) {
+        patch.members.push_back(m);
+      } else if (is_set(m.group)) {
+        InpSet& set = span_of(model_.sets)[set_of(m.group)];
+        set.patches.push_back(tag);
+        if (!set.of_nodes) patch.sets.push_back(set_of(m.group));
+      } else {
+        patch.card = card_of(m.group);
+      }
+    }
+    model_.patches.push_back(std::move(patch));
   }
 
   /// A set with the vertices of a face group has those of its patches.
@@ -332,6 +350,7 @@ class InpPatches {
   std::map<std::array<Index, 3>, Index> positions_;  ///< of triangles, by their vertices in ascending order
   std::vector<std::array<Index, 3>> triangles_;
   std::vector<Index> combination_;  ///< per triangle
+  std::vector<Index> elements_;     ///< of the first triangles: positions in InpModel::triangles
 
   /// Face groups by a vertex of their first face, ascending.
   std::vector<std::pair<Index, Index>> vertex2groups_;

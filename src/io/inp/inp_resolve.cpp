@@ -92,10 +92,8 @@ class InpResolver {
     for (std::size_t i = other.first_node; i < other.end_node; ++i) {
       v.push_back(node_of(scan_.other_nodes[i], other.element));
     }
-    if (other.type.role == Role::triangle) {
-      mesh_.required_triangles.push_back(to_index(mesh_.triangles.size()));
-      mesh_.triangles.push_back({v[0], v[1], v[2]});
-      mesh_.triangle_tags.push_back(0);
+    if (other.type.is_triangle()) {
+      resolve_triangle(other, v);
     } else if (other.type.role == Role::edge) {
       mesh_.required_edges.push_back(to_index(mesh_.edges.size()));
       mesh_.edges.push_back({v[0], v[1]});
@@ -109,6 +107,11 @@ class InpResolver {
       ++model_.text_elements;
       mesh_.required_vertices.insert(mesh_.required_vertices.end(), v.begin(), v.end());
     }
+  }
+
+  void resolve_triangle(const InpOther& other, const std::vector<Index>& nodes) {
+    InpTriangle& triangle = span_of(model_.triangles)[model_.triangle(other.element)];
+    triangle.vertices = {nodes[0], nodes[1], nodes[2]};
   }
 
   void add_middles_of(const ElementKind& kind, const std::vector<Index>& nodes) {
@@ -249,6 +252,9 @@ class InpResolver {
     // In the assembly they may be those of other parts.
     if (line.group >= 0 && !is_known && !card.in_assembly) ++unknown_;
     const auto tet_of = [this](Index e) { return e < 0 ? -1 : span_of(model_.element2tet)[e]; };
+    for (const Index e : of) {
+      if (e >= 0 && tet_of(e) < 0) scan_.held_elements.push_back(span_of(model_.element_labels)[e]);
+    }
     if (std::none_of(of.begin(), of.end(), [&](Index e) { return tet_of(e) >= 0; })) {
       card.other_lines += line.line;
       if (set >= 0) scan_.mentioned.insert(span_of(model_.sets)[set].key);

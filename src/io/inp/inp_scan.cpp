@@ -35,7 +35,7 @@ class InpScanner {
 
  private:
   /// `ignored`: text that does not concern the mesh.
-  enum class Mode { text, ignored, nodes, tets, others, set, faces, condition };
+  enum class Mode { text, ignored, nodes, tets, triangles, others, set, faces, condition };
 
   void read_file(const std::string& path, std::string bytes) {
     if (bytes.find('\0') != std::string::npos) throw FileError(path + ": this is a binary file, and no deck in text");
@@ -61,7 +61,7 @@ class InpScanner {
     stack_.pop_back();
   }
 
-  /// Adds the text from `start` on, which defines the nodes or tetrahedra from `first` on.
+  /// Adds the text from `start` on, which defines the nodes, tetrahedra or triangles from `first` on.
   void add_piece(InpPiece::Kind kind, const char* start, std::size_t card = 0, std::size_t first = 0,
                  std::size_t last = 0) {
     const std::string_view text(start, to_size_t(cursor_.at() - start));
@@ -197,8 +197,10 @@ class InpScanner {
     }
     if (is_tet) scan_.nodes_per_tet = type_.nodes;
     if (is_second_order) model_.is_second_order = true;
-    mode_ = is_tet ? Mode::tets : Mode::others;
+    mode_ = is_tet ? Mode::tets : type_.is_triangle() ? Mode::triangles : Mode::others;
     if (is_tet) model_.tet_cards.push_back({element_set_, to_index(model_.tet2element.size()), inp_name(*type)});
+    if (mode_ == Mode::triangles)
+      model_.triangle_cards.push_back({element_set_, to_index(model_.triangles.size()), inp_name(*type)});
     add_piece(InpPiece::Kind::text, start);
     return true;
   }
@@ -273,6 +275,12 @@ class InpScanner {
       case Mode::tets:
         read_inp_tets(cursor_, element_set_, scan_);
         return add_piece(InpPiece::Kind::tets, start, model_.tet_cards.size() - 1, tet, model_.tet2element.size());
+      case Mode::triangles: {
+        const std::size_t first = model_.triangles.size();
+        const std::size_t card = model_.triangle_cards.size() - 1;
+        read_inp_triangle(cursor_, type_, element_set_, scan_);
+        return add_piece(InpPiece::Kind::triangles, start, card, first, first + 1);
+      }
       case Mode::others:
         read_inp_other(cursor_, type_, element_set_, scan_);
         return add_piece(InpPiece::Kind::text, start);

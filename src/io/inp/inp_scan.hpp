@@ -95,14 +95,18 @@ inline ElementBlock& inp_block(TetMesh& mesh, const InpElementType& type) {
 /// Finds the entities that the numbers and names refer to, and fills the model and the mesh but for tags.
 void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const IoContext& context);
 
-/// Lists the triangles of surfaces and of sets of nodes on the boundary, with their tags; the rest of such sets of
-/// nodes is held.
+/// Finds the triangles that are faces of tetrahedra; the mesh gets the others, and those that other cards name by
+/// number, as required triangles or, with mid-side nodes, as required vertices.
+void find_inp_triangles(const InpScan& scan, InpModel& model, TetMesh& mesh);
+
+/// Lists the triangles of surfaces, of elements that are faces of tetrahedra, and of sets of nodes on the boundary,
+/// with their tags; the rest of such sets of nodes is held.
 void find_inp_patches(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context);
 
 /// The tags of the patches of each face group; one can occur twice.
 std::vector<std::vector<int>> tags_of_face_groups(const InpModel& model);
 
-/// Gives each tetrahedron a tag by the sets that it is in, and each triangle of a surface one by its surfaces, so that
+/// Gives each tetrahedron a tag by the sets that it is in, and each triangle one by its surfaces and sets, so that
 /// every set is a union of tags; and holds the nodes and elements that other cards name by number.
 void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context);
 

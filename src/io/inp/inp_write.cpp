@@ -34,6 +34,7 @@ class InpDeckWriter {
       if (piece.kind == InpPiece::Kind::condition) write_condition(piece);
       if (piece.kind == InpPiece::Kind::nodes) write_nodes(piece);
       if (piece.kind == InpPiece::Kind::tets) write_tets(piece);
+      if (piece.kind == InpPiece::Kind::triangles) write_triangles(piece);
       flush(kBuffer);
     }
     flush(0);
@@ -83,14 +84,24 @@ class InpDeckWriter {
       out_ += ", ";
       out_ += std::to_string(span_of(match_.vertex_labels)[v]);
     }
-    if (middles_ != nullptr) put_middles(span_of(match_.listed)[t]);
+    if (middles_ != nullptr) {
+      for (const auto& [a, b] : kTetEdges) put_middle(span_of(match_.listed)[t], a, b);
+    }
     out_ += model_.newline;
   }
-  void put_middles(const std::array<Index, 4>& tet) {
-    for (const auto& [a, b] : kTetEdges) {
-      const Index v = middles_->of(tet[to_size_t(a)], tet[to_size_t(b)]);
-      out_ += ", " + std::to_string(span_of(match_.vertex_labels)[v]);
+  void put_triangle(Index i, bool has_middles) {
+    const std::array<Index, 3>& triangle = span_of(mesh_.triangles)[i];
+    out_ += std::to_string(span_of(match_.triangle_labels)[i]);
+    for (const Index v : triangle) out_ += ", " + std::to_string(span_of(match_.vertex_labels)[v]);
+    if (has_middles) {
+      for (int k = 0; k < 3; ++k) put_middle(triangle, k, (k + 1) % 3);
     }
+    out_ += model_.newline;
+  }
+  template <std::size_t N>
+  void put_middle(const std::array<Index, N>& element, int a, int b) {
+    const Index v = middles_->of(element[to_size_t(a)], element[to_size_t(b)]);
+    out_ += ", " + std::to_string(span_of(match_.vertex_labels)[v]);
   }
   /// The text of an entry of a piece, of which the next one starts at `next`.
   static std::string_view text_of(const char* line, const char* next) { return {line, to_size_t(next - line)}; }
@@ -134,6 +145,27 @@ class InpDeckWriter {
     if (!span_of(match_.added)[piece.card].empty()) end_line();
     for (const Index t : span_of(match_.added)[piece.card]) put_tet(t);
     out_ += span_of(changes_.cards_after_tets)[piece.card];
+  }
+
+  void write_triangles(const InpPiece& piece) {
+    const char* const end = piece.text.data() + piece.text.size();
+    const Span<const InpTriangle> triangles = span_of(model_.triangles);
+    for (Index i = piece.first; i < piece.last; ++i) {
+      const Index now = span_of(match_.old2triangle)[i];
+      if (triangles[i].is_face && now < 0) continue;
+      if (triangles[i].is_face && span_of(match_.is_same_triangle)[i] == 0) {
+        put_triangle(now, triangles[i].has_middles);
+      } else {
+        out_ += text_of(triangles[i].line, i + 1 < piece.last ? triangles[i + 1].line : end);
+      }
+      flush(kBuffer);
+    }
+    const bool is_last = piece.last == triangles.size() || triangles[piece.last].card != piece.card;
+    if (!is_last) return;
+    const std::vector<Index>& added = span_of(match_.added_triangles)[piece.card];
+    if (!added.empty()) end_line();
+    for (const Index t : added) put_triangle(t, triangles[piece.first].has_middles);
+    out_ += span_of(changes_.cards_after_triangles)[piece.card];
   }
 
   FileWriter& file_;
