@@ -162,6 +162,7 @@ Json to_json(const Report& r) {
                {"vertices_on_line", r.line_vertices},
                {"vertices_on_surface", r.surface_vertices},
                {"vertices_on_curve", r.curve_vertices},
+               {"vertices_thin", r.thin_vertices},
                {"vertices_periodic", r.periodic_vertices},
                {"vertices_fixed", r.fixed_vertices},
                {"corners_not_held", r.corners_not_held},

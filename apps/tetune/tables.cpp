@@ -248,6 +248,12 @@ std::vector<std::string> constraint_notes(const Report& r) {
         fmt::format("{} ends and junctions of tagged edges are too many for those of lines: they may move along them",
                     r.line_ends_not_held));
   }
+  if (r.thin_vertices > 0) {
+    texts.push_back(fmt::format(
+        "{} vertices of thin curved sheets do not slide, as the sheets could become several times as thick: "
+        "--max-deviation lets them slide within a bound",
+        r.thin_vertices));
+  }
   if (r.triangles_dropped > 0) {
     texts.push_back(fmt::format(
         "{} listed triangles constrain nothing and are dropped: they are not faces of the mesh, or lie inside a "

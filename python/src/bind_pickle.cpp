@@ -67,8 +67,8 @@ void transfer(Archive& archive, AnyReport& r) {
   archive(r.device, r.device_reason, r.threads, r.vertices, r.tets_before, r.tets_after, r.tets_untangled);
   archive(r.deviation, r.straightened, r.tets_bad, r.tets_active);
   archive(r.free_vertices, r.plane_vertices, r.line_vertices, r.fixed_vertices);
-  archive(r.surface_vertices, r.curve_vertices, r.periodic_vertices, r.corners_not_held, r.edges_not_held,
-          r.line_ends_not_held);
+  archive(r.surface_vertices, r.curve_vertices, r.thin_vertices, r.periodic_vertices, r.corners_not_held,
+          r.edges_not_held, r.line_ends_not_held);
   archive(r.triangles_dropped, r.edges_dropped, r.colors, r.energy_before, r.energy_after);
   archive(r.vertex2original, r.places, r.uncovered, r.transfer_stopped, r.tet2original, r.triangle2original,
           r.edge2original);

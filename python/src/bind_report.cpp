@@ -219,8 +219,7 @@ void bind_report(nb::module_& m) {
       .def_ro("straightened", &Report::straightened,
               "With straighten: the edges of the surface with less curvature than in the input.")
       .def_ro("tets_bad", &Report::tets_bad, "With only_below: number of tetrahedra of the input that miss a limit.")
-      .def_ro("tets_active", &Report::tets_active,
-              "With only_below: number of tetrahedra of the input that might change.")
+      .def_ro("tets_active", &Report::tets_active, "With only_below: number of tetrahedra that might change.")
       .def_ro("free_vertices", &Report::free_vertices)
       .def_ro("plane_vertices", &Report::plane_vertices)
       .def_ro("line_vertices", &Report::line_vertices)
@@ -229,6 +228,7 @@ void bind_report(nb::module_& m) {
               "With data='conserve': fraction of the volume of the input that no tetrahedron of the result covers.")
       .def_ro("surface_vertices", &Report::surface_vertices, "Where the boundary slides.")
       .def_ro("curve_vertices", &Report::curve_vertices, "Where the boundary slides.")
+      .def_ro("thin_vertices", &Report::thin_vertices, "On thin curved sheets, which do not slide.")
       .def_ro("periodic_vertices", &Report::periodic_vertices, "That move together with their images.")
       .def_ro("corners_not_held", &Report::corners_not_held)
       .def_ro("edges_not_held", &Report::edges_not_held)

@@ -15,9 +15,10 @@
 namespace tetune {
 
 /// Values of BoundaryTriangle::stays other than 0: the triangle does not change; it may be flipped together with its
-/// periodic image.
+/// periodic image; it may be flipped with another one in its plane.
 inline constexpr std::uint16_t kStays = 1;
 inline constexpr std::uint16_t kFlipsWithImage = 2;
+inline constexpr std::uint16_t kFlipsInPlane = 3;
 
 /// A triangle of the boundary as boundary flips change it. "Boundary" is all that flips must preserve: the outer
 /// boundary, interfaces and constrained triangles.
@@ -32,7 +33,7 @@ struct BoundaryTriangle {
   double deviation;
   std::uint32_t features;
   std::uint16_t turned;  ///< the caller lists it in the opposite orientation
-  std::uint16_t stays;   ///< 0, kStays or kFlipsWithImage
+  std::uint16_t stays;   ///< 0, kStays, kFlipsWithImage or kFlipsInPlane
 };
 static_assert(sizeof(BoundaryTriangle) == 40, "copies between host and device read no padding");
 

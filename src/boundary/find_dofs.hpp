@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "boundary/sliding/features.hpp"
 #include "boundary/sliding/flat_patches.hpp"
 #include "boundary/sliding/slide_surface.inl"
+#include "boundary/sliding/thin_sheets.hpp"
 #include "boundary/surface.hpp"
 #include "boundary/vertex_dofs.hpp"
 #include "mesh/constrained_edges.hpp"
@@ -31,8 +33,42 @@ struct DofInput {
   double max_deviation;                              ///< of the surface by moves of vertices, in the caller's unit
   const SlideSurface* slides_on;                     ///< the surface for Boundary::slide; null: the mesh's own
   bool keeps_flat_patches;                           ///< vertices in flat patches of it move in their planes
+  bool keeps_thin_sheets;                            ///< vertices of thin sheets move in planes and along lines
   const std::vector<Index>& original2vertex;
 };
+
+/// Where each vertex may go with Boundary::preserve, by `constraints` in place of those of the input. Requires the
+/// numbers of corners, edges and ends that are not held in the report.
+template <class Backend>
+std::vector<MotionSpace> spaces_in_planes(const Backend& backend, WorkMesh<Backend>& mesh,
+                                          const DofInput<Backend>& input,
+                                          const std::vector<VertexConstraint>& constraints, const Report& report) {
+  const Size vertices = mesh.vertices();
+  BufferOf<Backend, VertexDof> dof(backend, vertices);
+  BufferOf<Backend, Vec3> axis(backend, vertices);
+  backend.fill(axis.span(), Vec3{});
+  const DeviceViewOf<Backend, VertexConstraint> view(backend, constraints);
+  const auto classify = [&](const EdgeSet<Backend>& features) {
+    const ConstrainedSurface<Backend> constrained{input.surface, features, view.span()};
+    classify_vertices(backend, mesh, constrained, SurfaceRule::keeps_shape, dof.span(), axis.span());
+  };
+  if (report.edges_not_held == 0) {
+    classify(input.edges);
+  } else {
+    const Span<const Index> ends = span_of(input.edge_ends);
+    classify(EdgeSet<Backend>(backend, {ends.data(), ends.data() + 2 * Size(input.ridges)}, vertices));
+  }
+  const std::vector<VertexDof> dofs = dof.download();
+  const std::vector<Vec3> axes = axis.download();
+  std::vector<MotionSpace> spaces;
+  for (std::size_t v = 0; v < dofs.size(); ++v) {
+    const bool is_corner =
+        (constraints[v] == VertexConstraint::corner && report.corners_not_held == 0) ||
+        (constraints[v] == VertexConstraint::line_end && report.edges_not_held == 0 && report.line_ends_not_held == 0);
+    spaces.push_back({is_corner ? VertexDof::fixed : dofs[v], axes[v]});
+  }
+  return spaces;
+}
 
 namespace find_dofs_detail {
 
@@ -106,6 +142,37 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point});
 }
 
+/// Lets vertices of thin sheets that slide move in planes and along lines instead; those beside other triangles stay,
+/// as do those on feature lines. Returns the triangles of thin sheets: 1 per triangle of the surface.
+template <class Backend>
+std::vector<std::uint8_t> keep_thin_sheets(const Backend& backend, WorkMesh<Backend>& mesh,
+                                           const DofInput<Backend>& input, VertexDofs<Backend>& dofs, Report& report) {
+  ThinSheets sheets = find_thin_sheets(backend, mesh, dofs.reference);
+  const std::vector<std::uint8_t>& is_thin = sheets.triangles;
+  std::vector<std::uint8_t>& stays = sheets.rims;
+  const auto has_marks = [](const std::vector<std::uint8_t>& marks) {
+    return std::find(marks.begin(), marks.end(), 1) != marks.end();
+  };
+  if (!has_marks(is_thin) && !has_marks(stays)) return {};
+  const std::vector<MotionSpace> spaces = spaces_in_planes(backend, mesh, input, input.constraints, report);
+  const std::vector<SurfaceTriangle> triangles = input.surface.triangles.download();
+  std::vector<std::uint8_t> has_thin = stays;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (const Index v : triangles[t].v) span_of(is_thin[t] != 0 ? has_thin : stays)[v] = 1;
+  }
+  std::vector<VertexDof> dof = dofs.dof.download();
+  std::vector<Vec3> axis = dofs.axis.download();
+  for (std::size_t v = 0; v < spaces.size(); ++v) {
+    if (has_thin[v] == 0 || (dof[v] != VertexDof::surface && dof[v] != VertexDof::curve)) continue;
+    ++report.thin_vertices;
+    dof[v] = stays[v] != 0 ? VertexDof::fixed : spaces[v].dof;
+    axis[v] = spaces[v].axis;
+  }
+  dofs.dof.upload(backend, dof);
+  dofs.axis.upload(backend, axis);
+  return is_thin;
+}
+
 /// Lets the vertices of flat patches of the reference surface move in planes and along lines.
 template <class Backend>
 FlatPatches keep_flat_patches(const Backend& backend, VertexDofs<Backend>& dofs) {
@@ -132,12 +199,17 @@ inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
 
 }  // namespace find_dofs_detail
 
+/// The parts of a surface that slides whose vertices do not.
+struct HeldParts {
+  FlatPatches flat;                ///< with DofInput::keeps_flat_patches
+  std::vector<std::uint8_t> thin;  ///< with DofInput::keeps_thin_sheets: 1 per triangle of a thin sheet; empty: none
+};
+
 /// Finds where each vertex may go, by Options::boundary, and makes all vertices active. The report receives the
-/// numbers of vertices by degrees of freedom, and of listed corners, edges and their ends that are no features. Returns
-/// the flat patches, with DofInput::keeps_flat_patches.
+/// numbers of vertices by degrees of freedom, and of listed corners, edges and their ends that are no features.
 template <class Backend>
-FlatPatches find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
-                      VertexDofs<Backend>& dofs, Report& report) {
+HeldParts find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const DofInput<Backend>& input,
+                    VertexDofs<Backend>& dofs, Report& report) {
   using namespace find_dofs_detail;
   const Options& options = input.options;
   const Size vertices = mesh.vertices();
@@ -176,10 +248,11 @@ FlatPatches find_dofs(const Backend& backend, WorkMesh<Backend>& mesh, const Dof
     dofs.checked.points.assign(backend, mesh.points);
     dofs.checked.surface_points.assign(backend, dofs.surface_point);
   }
-  FlatPatches flat;
-  if (input.keeps_flat_patches) flat = keep_flat_patches(backend, dofs);
+  HeldParts held;
+  if (input.keeps_flat_patches) held.flat = keep_flat_patches(backend, dofs);
+  if (input.keeps_thin_sheets) held.thin = keep_thin_sheets(backend, mesh, input, dofs, report);
   count_dofs(dofs.dof.download(), report);
-  return flat;
+  return held;
 }
 
 }  // namespace tetune

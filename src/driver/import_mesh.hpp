@@ -147,15 +147,35 @@ inline bool flips_surface(const ImportInput& source) {
   return flips_boundary(source.options) && (!has_deviation_bound(source.options) || keeps_flat_patches(source));
 }
 
-/// Lets edges be flipped in flat patches alone: with a bound on the deviation the vertices of other triangles that flip
-/// could only drift.
+/// Whether vertices of thin sheets move as with Boundary::preserve: sliding could make such a sheet several times as
+/// thick. A bound on the deviation limits that, too; a given surface has the vertices that may slide on it.
+inline bool keeps_thin_sheets(const ImportInput& source) {
+  return source.options.boundary == Boundary::slide && !has_deviation_bound(source.options) &&
+         source.slides_on == nullptr && source.linked == LinkedVertices::move;
+}
+
+/// Lets edges be flipped in flat patches alone where there is a bound on the deviation, as the vertices of other
+/// triangles that flip could only drift; and lets the triangles of thin sheets change within their planes alone.
 template <class Backend>
-void hold_bent_patches(const Backend& backend, const FlatPatches& flat, BoundaryTriangles<Backend>& boundary) {
+void hold_triangles(const Backend& backend, const HeldParts& held, bool in_flat_patches,
+                    BoundaryTriangles<Backend>& boundary) {
+  if (!in_flat_patches && held.thin.empty()) return;
   std::vector<BoundaryTriangle> triangles = boundary.triangles.download();
   for (Index t = 0; t < std::ssize(triangles); ++t) {
-    if (!flat.contains(t)) span_of(triangles)[t].stays = kStays;
+    std::uint16_t& stays = span_of(triangles)[t].stays;
+    if (in_flat_patches && !held.flat.contains(t)) stays = kStays;
+    if (!held.thin.empty() && span_of(held.thin)[t] != 0 && stays == 0) stays = kFlipsInPlane;
   }
   boundary.triangles.upload(backend, triangles);
+}
+
+/// The entries of the caller's list that triangles of the boundary have.
+inline std::vector<Index> listed_entries(const std::vector<BoundaryTriangle>& triangles) {
+  std::vector<Index> entries;
+  for (const BoundaryTriangle& t : triangles) {
+    if (t.listed >= 0) entries.push_back(t.listed);
+  }
+  return entries;
 }
 
 /// Finds the surface and decides where its vertices may go.
@@ -191,11 +211,7 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
     build_boundary(backend, surface, listed, view.span(), work.boundary);
     work.boundary.bends = bends_surface(options);
   }
-  if (edits_surface(options)) {
-    for (const BoundaryTriangle& t : work.boundary.triangles.download()) {
-      if (t.listed >= 0) work.listed_boundary.push_back(t.listed);
-    }
-  }
+  if (edits_surface(options)) work.listed_boundary = listed_entries(work.boundary.triangles.download());
 
   // All listed edges constrain flips.
   std::vector<Index> ends;
@@ -213,9 +229,10 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
                                 .max_deviation = (1 - bend_share(options)) * options.max_deviation,
                                 .slides_on = source.slides_on,
                                 .keeps_flat_patches = keeps_flat_patches(source),
+                                .keeps_thin_sheets = keeps_thin_sheets(source),
                                 .original2vertex = original2vertex};
-  const FlatPatches flat = find_dofs(backend, work.mesh, input, work.dofs, report);
-  if (keeps_flat_patches(source)) hold_bent_patches(backend, flat, work.boundary);
+  const HeldParts held = find_dofs(backend, work.mesh, input, work.dofs, report);
+  hold_triangles(backend, held, keeps_flat_patches(source), work.boundary);
   if (moves) import_periodic(backend, mesh, input, without_links, work, report);
   if (bends_surface(options)) let_surface_bend(backend, options, work);
   work.flips.constrained_keys.swap(edges.keys);

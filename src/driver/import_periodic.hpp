@@ -23,40 +23,6 @@ inline bool moves_periodic(const TetMesh& mesh, const Options& options) {
 
 namespace import_periodic_detail {
 
-/// Where each vertex may go without regard to periodic links: within planes and along lines, even with
-/// Boundary::slide.
-template <class Backend>
-std::vector<MotionSpace> spaces_without_links(const Backend& backend, WorkMesh<Backend>& mesh,
-                                              const DofInput<Backend>& input,
-                                              const std::vector<VertexConstraint>& without_links,
-                                              const Report& report) {
-  const Size vertices = mesh.vertices();
-  BufferOf<Backend, VertexDof> dof(backend, vertices);
-  BufferOf<Backend, Vec3> axis(backend, vertices);
-  backend.fill(axis.span(), Vec3{});
-  const DeviceViewOf<Backend, VertexConstraint> constraints(backend, without_links);
-  const auto classify = [&](const EdgeSet<Backend>& features) {
-    const ConstrainedSurface<Backend> constrained{input.surface, features, constraints.span()};
-    classify_vertices(backend, mesh, constrained, SurfaceRule::keeps_shape, dof.span(), axis.span());
-  };
-  if (report.edges_not_held == 0) {
-    classify(input.edges);
-  } else {
-    const Span<const Index> ends = span_of(input.edge_ends);
-    classify(EdgeSet<Backend>(backend, {ends.data(), ends.data() + 2 * Size(input.ridges)}, vertices));
-  }
-  const std::vector<VertexDof> dofs = dof.download();
-  const std::vector<Vec3> axes = axis.download();
-  std::vector<MotionSpace> spaces;
-  for (std::size_t v = 0; v < dofs.size(); ++v) {
-    const bool is_corner = (without_links[v] == VertexConstraint::corner && report.corners_not_held == 0) ||
-                           (without_links[v] == VertexConstraint::line_end && report.edges_not_held == 0 &&
-                            report.line_ends_not_held == 0);
-    spaces.push_back({is_corner ? VertexDof::fixed : dofs[v], axes[v]});
-  }
-  return spaces;
-}
-
 /// 1 for each vertex of a surface triangle with a vertex that is in no class.
 inline std::vector<std::uint8_t> beside_other_surface(const std::vector<SurfaceTriangle>& triangles,
                                                       const std::vector<Index>& vertex2class) {
@@ -125,7 +91,8 @@ template <class Backend>
 void import_periodic(const Backend& backend, const TetMesh& mesh, const DofInput<Backend>& input,
                      const std::vector<VertexConstraint>& without_links, WorkingSet<Backend>& work, Report& report) {
   using namespace import_periodic_detail;
-  const std::vector<MotionSpace> spaces = spaces_without_links(backend, work.mesh, input, without_links, report);
+  // Within planes and along lines, even with Boundary::slide.
+  const std::vector<MotionSpace> spaces = spaces_in_planes(backend, work.mesh, input, without_links, report);
   const HostImages images = find_images(mesh, input.original2vertex, work.scale, spaces.size());
   std::vector<std::uint8_t> stays(spaces.size(), 0);
   // Operations on a curved surface start from the places of its vertices on the reference surface.

@@ -91,7 +91,7 @@ struct FindEdge {
     const BoundaryTriangle& t = triangles[e.triangle];
     const BoundaryTriangle& u = triangles[e.other];
     if (t.stays == kStays || t.stays != u.stays || !in_one_patch(t, u)) return false;
-    const bool may_bend = flips_bend && !is_paired(e);
+    const bool may_bend = flips_bend && t.stays == 0;
     if (flips_bend && !may_bend && is_feature_edge(t, e.a, e.b)) return false;
     return (may_bend || is_flat(e)) && (!adds_deviation(e) || deviation_after(e) < kInfeasible) &&
            !have_edge(triangles, vertex2corner, e.p, e.q);
@@ -99,7 +99,7 @@ struct FindEdge {
   /// Whether a flip adds to the deviation of its triangles. Triangles that are coplanar need not be so in the edited
   /// surface.
   TETUNE_HD bool adds_deviation(const BoundaryEdge& e) const {
-    return (flips_bend || limit.is_bounded()) && !is_paired(e);
+    return (flips_bend || limit.is_bounded()) && triangles[e.triangle].stays == 0;
   }
 
   /// Whether an edge is flipped together with its periodic image.
