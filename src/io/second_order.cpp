@@ -12,6 +12,7 @@
 #include "io/plain_text.hpp"
 #include "mesh/node_sets.hpp"
 #include "mesh/sorted.hpp"
+#include "mesh/surface_edges.hpp"
 #include "mesh/tet.hpp"
 #include "tetune/error.hpp"
 
@@ -64,22 +65,64 @@ std::vector<CurvedEdge> find_curved(const std::vector<Middle>& middles, const st
   return curved;
 }
 
-/// The value of data at the node in the middle of an edge, from those at both ends.
+/// Finds the mid-side nodes that are in a set of nodes: those of edges with both ends in it, but where the edge leads
+/// through the inside from one point of the surface to another, only if all vertices of the tetrahedra around it are in
+/// the set too. A set of the surface does not get nodes inside of a thin part.
+class SetMiddles {
+ public:
+  /// The edges of tetrahedra that lead through the inside are needed for sets of nodes alone.
+  explicit SetMiddles(const TetMesh& mesh) {
+    if (std::none_of(mesh.point_data.begin(), mesh.point_data.end(), is_node_set)) return;
+    const SurfaceEdges surface(mesh);
+    for (const auto& tet : mesh.tets) {
+      for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
+        const Index a = tet[to_size_t(kTetEdges[e][0])];
+        const Index b = tet[to_size_t(kTetEdges[e][1])];
+        if (!surface.is_across(a, b)) continue;
+        for (const Index v : tet) {
+          if (v != a && v != b) across_.push_back({ascending(a, b), v});
+        }
+      }
+    }
+    sort_unique(across_);
+  }
+
+  template <class T>
+  bool has(const std::vector<T>& is_member, Index a, Index b) const {
+    if (span_of(is_member)[a] == 0 || span_of(is_member)[b] == 0) return false;
+    const auto ends = ascending(a, b);
+    auto at = std::lower_bound(across_.begin(), across_.end(), std::pair{ends, Index{-1}});
+    for (; at != across_.end() && at->first == ends; ++at) {
+      if (span_of(is_member)[at->second] == 0) return false;
+    }
+    return true;
+  }
+
+ private:
+  /// Such edges, each with the other vertices of the tetrahedra around it, in increasing order.
+  std::vector<std::pair<std::array<Index, 2>, Index>> across_;
+};
+
+/// The value of component c of data at the node in the middle of an edge, from those at both ends.
 template <class T>
-T middle_value(const DataArray& array, T x, T y) {
-  if constexpr (std::is_floating_point_v<T>) return T((x + y) / 2);
-  return is_node_set(array) && y == 0 ? y : x;
+T middle_value(const DataArray& array, const std::vector<T>& values, std::size_t c, const std::array<Index, 2>& ends,
+               const SetMiddles& sets) {
+  const std::size_t each = components_of(array);
+  if (is_node_set(array)) return sets.has(values, ends[0], ends[1]) ? T{1} : T{0};
+  const T x = entry_of(values, ends[0], each)[c];
+  if constexpr (std::is_floating_point_v<T>) return T((x + entry_of(values, ends[1], each)[c]) / 2);
+  return x;
 }
 
 /// Whether the values of an array at mid-side nodes are those that Middles adds, to rounding.
-bool are_restored(const DataArray& array, const std::vector<Middle>& middles) {
+bool are_restored(const DataArray& array, const std::vector<Middle>& middles, const SetMiddles& sets) {
   const std::size_t each = components_of(array);
-  const auto is_restored = [&array, each](const auto& values, const Middle& m) {
+  const auto is_restored = [&array, each, &sets](const auto& values, const Middle& m) {
     using T = typename std::remove_cvref_t<decltype(values)>::value_type;
     constexpr double kRounding = std::is_same_v<T, float> ? 1e-5 : 1e-10;
     for (std::size_t c = 0; c < each; ++c) {
       const T x = entry_of(values, m.ends[0], each)[c], y = entry_of(values, m.ends[1], each)[c];
-      const T found = entry_of(values, m.node, each)[c], restored = middle_value(array, x, y);
+      const T found = entry_of(values, m.node, each)[c], restored = middle_value(array, values, c, m.ends, sets);
       if constexpr (std::is_floating_point_v<T>) {
         const double scale = std::max(std::fabs(double{x}), std::fabs(double{y}));
         if (std::fabs(double{found} - double{restored}) > kRounding * scale) return false;
@@ -99,8 +142,9 @@ bool are_restored(const DataArray& array, const std::vector<Middle>& middles) {
 /// The warning of erase_middles().
 std::string lost_values(const std::vector<Middle>& middles, const TetMesh& mesh) {
   std::vector<std::string> names;
+  const SetMiddles sets(mesh);
   for (const DataArray& array : mesh.point_data) {
-    if (!are_restored(array, middles)) names.push_back(array.name);
+    if (!are_restored(array, middles, sets)) names.push_back(array.name);
   }
   const auto has_tag = [&mesh](const Middle& m) { return span_of(mesh.point_tags)[m.node] != 0; };
   if (std::any_of(middles.begin(), middles.end(), has_tag)) names.emplace_back("tags");
@@ -195,10 +239,7 @@ std::vector<std::string> erase_middles(const MiddleList& list, TetMesh& mesh, co
   if (middles.empty()) return {};
   mesh.second_order = mesh.second_order || list.has_simplices;
   refuse_linear_tets(mesh);
-  std::vector<std::string> warnings{lost_values(middles, mesh)};
   mesh.second_order = true;
-  warnings.push_back(gained_middles(list, mesh));
-  std::erase(warnings, std::string());
   mesh.curved_edges = find_curved(middles, mesh.points, number_of);
   std::vector<Index> old2new(mesh.points.size(), 0);
   for (const Middle& m : middles) span_of(old2new)[m.node] = -1;
@@ -212,6 +253,8 @@ std::vector<std::string> erase_middles(const MiddleList& list, TetMesh& mesh, co
     }
   };
   for_each_list(mesh, check);
+  std::vector<std::string> warnings{lost_values(middles, mesh), gained_middles(list, mesh)};
+  std::erase(warnings, std::string());
   std::vector<Index> new2old;
   for (std::size_t v = 0; v < old2new.size(); ++v) {
     if (old2new[v] < 0) continue;
@@ -273,18 +316,14 @@ Middles::Middles(TetMesh& mesh, MiddlesOf elements) : first_(to_index(mesh.point
     if (std::binary_search(edges_.begin(), edges_.end(), edge.vertices)) span_of(mesh.points)[of(a, b)] = edge.middle;
   }
   mesh.point_tags.resize(mesh.points.size(), 0);
+  const SetMiddles sets(mesh);
   for (DataArray& array : mesh.point_data) {
     const std::size_t each = components_of(array);
     std::visit(
         [&](auto& values) {
-          using T = typename std::remove_cvref_t<decltype(values)>::value_type;
           values.reserve(mesh.points.size() * each);
-          for (const auto& [a, b] : edges_) {
-            for (std::size_t c = 0; c < each; ++c) {
-              const T x = entry_of(values, a, each)[c];
-              const T y = entry_of(values, b, each)[c];
-              values.push_back(middle_value(array, x, y));
-            }
+          for (const auto& ends : edges_) {
+            for (std::size_t c = 0; c < each; ++c) values.push_back(middle_value(array, values, c, ends, sets));
           }
         },
         array.values);

@@ -78,8 +78,9 @@ std::string lost_middles(const TetMesh& mesh);
 enum class MiddlesOf : std::uint8_t { all, all_but_edges, tets_and_others };
 
 /// Adds a node in the middle of each edge of these elements, after all other nodes; on a curved edge at the listed
-/// position. Its data are the means of both ends, or the integers of the first end; it is in the sets of nodes that
-/// both ends are in, and has no tag.
+/// position. Its data are the means of both ends, or the integers of the first end, and it has no tag. It is in the
+/// sets of nodes that both ends are in; where its edge leads through the inside from one point of the surface to
+/// another, only if all vertices of the tetrahedra around the edge are in the set.
 class Middles {
  public:
   explicit Middles(TetMesh& mesh, MiddlesOf elements = MiddlesOf::all);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Formats through VTK and Gmsh: second-order elements and their mid-side nodes.
+#include "io/second_order.hpp"
 #include "math/vec3.hpp"
 #include "mesh/tet.hpp"
 #include "plugin_fixture.hpp"
@@ -161,6 +162,30 @@ TEST_F(Plugins, QuadrilateralsOfBothOrdersKeepTheirLists) {
     EXPECT_EQ(back.others[b].tags, m.others[b].tags);
     EXPECT_EQ(back.others[b].required, m.others[b].required);
     EXPECT_EQ(back.others[b].second_order, m.others[b].second_order);
+  }
+}
+
+TEST_F(Plugins, SetsOfTheSurfaceHoldNoMidSideNodesInside) {
+  // Three tetrahedra around the edge between the first and the last vertex.
+  TetMesh m;
+  m.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+  m.point_tags.assign(5, 0);
+  m.tets = {{0, 1, 2, 4}, {0, 2, 3, 4}, {0, 3, 1, 4}};
+  m.tet_tags.assign(3, 1);
+  m.second_order = true;
+  const auto set = [](std::vector<std::uint8_t> members) { return DataArray{"node_set:1:s", 1, std::move(members)}; };
+  for (const auto& [members, has_middle] :
+       {std::pair{std::vector<std::uint8_t>{1, 1, 1, 1, 1}, true}, {{1, 1, 0, 1, 1}, false}}) {
+    m.point_data = {set(members)};
+    TetMesh with_middles = m;
+    const Middles middles(with_middles);
+    const auto& values = std::get<std::vector<std::uint8_t>>(with_middles.point_data[0].values);
+    EXPECT_EQ(values[std::size_t(middles.of(0, 4))], has_middle ? 1 : 0);
+    EXPECT_EQ(values[std::size_t(middles.of(0, 1))], 1);
+    std::vector<std::string> warnings;
+    write_mesh(path("a.e"), m, 1);
+    read_mesh(path("a.e"), &warnings, 1);
+    EXPECT_TRUE(warnings.empty()) << warnings[0];
   }
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "mesh/sorted.hpp"
-#include "mesh/tet_orientation.hpp"
+#include "mesh/surface_edges.hpp"
 #include "mesh/transfer/inserted_vertices.hpp"
 
 namespace tetune {
@@ -69,35 +69,11 @@ std::vector<MeshPlace> places_after_motion(const TetMesh& deck, const TetMesh& m
   return find_places(searched, mesh, vertices);
 }
 
-/// The boundary and the faces between regions.
-class InpSurface {
- public:
-  explicit InpSurface(const TetMesh& mesh)
-      : faces_(find_surface_faces(mesh)), on_surface_(mark_vertices(faces_, mesh.points.size())) {}
-  /// 1 per vertex on the surface.
-  const std::vector<std::uint8_t>& on_surface() const { return on_surface_; }
-  /// The edges of the faces, in increasing order.
-  std::vector<std::array<Index, 2>> edges() const {
-    std::vector<std::array<Index, 2>> edges;
-    for (const auto& v : faces_) {
-      for (const auto& [a, b] : kTriangleEdges) edges.push_back(ascending(v[to_size_t(a)], v[to_size_t(b)]));
-    }
-    sort_unique(edges);
-    return edges;
-  }
-
- private:
-  std::vector<std::array<Index, 3>> faces_;
-  std::vector<std::uint8_t> on_surface_;
-};
-
 /// Sets the ends of the edges of mid-side nodes.
-void find_ends(const TetMesh& mesh, const InpMatch& match, const Middles& middles, const InpSurface& surface,
+void find_ends(const TetMesh& mesh, const InpMatch& match, const Middles& middles, const SurfaceEdges& surface,
                std::vector<InpInserted>& inserted) {
   std::vector<Index> vertex2inserted(mesh.points.size(), -1);
   for (std::size_t i = 0; i < inserted.size(); ++i) span_of(vertex2inserted)[match.inserted[i]] = to_index(i);
-  const Span<const std::uint8_t> on_surface = span_of(surface.on_surface());
-  const std::vector<std::array<Index, 2>> surface_edges = surface.edges();
   for (const auto& tet : mesh.tets) {
     for (const auto& [i, j] : kTetEdges) {
       const std::array<Index, 2> ends{tet[to_size_t(i)], tet[to_size_t(j)]};
@@ -107,8 +83,7 @@ void find_ends(const TetMesh& mesh, const InpMatch& match, const Middles& middle
       node.ends = ends;
       node.has_inserted_end =
           std::any_of(ends.begin(), ends.end(), [&](Index v) { return span_of(vertex2inserted)[v] >= 0; });
-      node.is_across = on_surface[ends[0]] != 0 && on_surface[ends[1]] != 0 &&
-                       !is_listed(surface_edges, ascending(ends[0], ends[1]));
+      node.is_across = surface.is_across(ends[0], ends[1]);
     }
   }
 }
@@ -124,7 +99,7 @@ std::vector<InpInserted> find_inp_inserted(const InpModel& model, const TetMesh&
   sort_unique(with_values);
   if (with_values.empty()) return {};
   std::vector<InpInserted> inserted(match.inserted.size());
-  const InpSurface surface(mesh);
+  const SurfaceEdges surface(mesh);
   if (middles != nullptr) find_ends(mesh, match, *middles, surface, inserted);
   std::vector<Index> vertices;
   for (const Index v : match.inserted) {
