@@ -52,7 +52,8 @@ Json flip_passes_json(const Report& r) {
 Json worst_rounds_json(const Report& r) {
   Json rounds = Json::array();
   for (const WorstReport& w : r.worst_rounds) {
-    rounds.push_back({{"round", w.round},
+    rounds.push_back({{"work", w.work},
+                      {"round", w.round},
                       {"worst", w.worst},
                       {"inserted", w.inserted},
                       {"removed", w.removed},

@@ -324,10 +324,11 @@ std::string run_table(const Report& report) {
     for (const auto& kind : kFlipCounts) text += fmt::format(" {:>14}", f.*kind.count);
     text += fmt::format(" {:>14.4g} {:>10.4f}\n", f.decrease, f.seconds);
   }
-  if (!report.worst_rounds.empty()) text += "  round      worst inserted removed   flips   moved     time s\n";
+  if (!report.worst_rounds.empty())
+    text += "  work        round      worst inserted removed   flips   moved     time s\n";
   for (const WorstReport& w : report.worst_rounds) {
-    text += fmt::format("  {:>5} {:>10} {:>8} {:>7} {:>7} {:>7} {:>10.4f}\n", w.round, w.worst, w.inserted, w.removed,
-                        w.flips, w.moved, w.seconds);
+    text += fmt::format("  {:<11} {:>5} {:>10} {:>8} {:>7} {:>7} {:>7} {:>10.4f}\n", w.work, w.round, w.worst,
+                        w.inserted, w.removed, w.flips, w.moved, w.seconds);
   }
   text += "  phase        time s\n";
   for (const PhaseTime& p : report.phases) text += fmt::format("  {:<10} {:>8.4f}\n", p.phase, p.seconds);

@@ -44,6 +44,7 @@ struct FlipReport : FlipCounts {
 /// them, then their vertices are moved. With Effort::best the rounds are, in this order, on the mean energy, the worst
 /// elements, the angles, restarts, and the mean energy again; `round` starts from 1 for each of them.
 struct WorstReport {
+  std::string work;  ///< "mean energy", "worst", "angles" or "restarts"
   int round = 0;
   std::int64_t worst = 0;                  ///< number of tetrahedra worked on; of spots in a round of restarts
   std::int64_t inserted = 0, removed = 0;  ///< numbers of vertices

@@ -44,7 +44,7 @@ void transfer(Archive& archive, Flips& f) {
 }
 template <class Archive, MaybeConst<WorstReport> Worst>
 void transfer(Archive& archive, Worst& w) {
-  archive(w.round, w.worst, w.inserted, w.removed, w.flips, w.moved, w.dihedral_min, w.seconds);
+  archive(w.work, w.round, w.worst, w.inserted, w.removed, w.flips, w.moved, w.dihedral_min, w.seconds);
 }
 template <class Archive, MaybeConst<PhaseTime> Phase>
 void transfer(Archive& archive, Phase& p) {

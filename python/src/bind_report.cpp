@@ -61,6 +61,7 @@ void bind_passes(nb::module_& m) {
       .def_prop_ro(
           "flips", [](const FlipReport& f) { return f.flips(); }, "Number of flips of all kinds.");
   nb::class_<WorstReport>(m, "WorstReport", "One round of work on the worst elements.")
+      .def_ro("work", &WorstReport::work, "'mean energy', 'worst', 'angles' or 'restarts'.")
       .def_ro("round", &WorstReport::round)
       .def_ro("worst", &WorstReport::worst, "Number of tetrahedra worked on.")
       .def_ro("inserted", &WorstReport::inserted, "Number of vertices inserted.")

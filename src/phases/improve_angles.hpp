@@ -108,6 +108,7 @@ bool improve_angles(Optimizer<Backend>& optimizer, QualityFloor& floor) {
     for (int i = 0; i < limit && follows(); ++i) {
       const double cost_before = floor.max_cot;
       WorstReport r;
+      r.work = "angles";
       r.round = ++round;
       Size changes = 0;
       r.seconds = optimizer.timer.measure(Phase::angles, [&] {

@@ -27,6 +27,7 @@ bool improve_worst(Optimizer<Backend>& optimizer, const QualityFloor& floor) {
   });
   for (int round = 1; round <= p.max_rounds; ++round) {
     WorstReport r;
+    r.work = "worst";
     r.round = round;
     double energy = last_energy;
     r.seconds = optimizer.timer.measure(Phase::worst, [&] {

@@ -101,6 +101,7 @@ bool lower_mean_energy(Optimizer<Backend>& optimizer, const MeanParameters& p, c
   double fall = 1;
   for (int round = 1; round <= p.max_rounds && fall > p.min_fall; ++round) {
     WorstReport r;
+    r.work = "mean energy";
     r.round = round;
     r.seconds = optimizer.timer.measure(Phase::worst, [&] {
       fall =

@@ -227,8 +227,8 @@ TEST_F(Inp, NamesInQuotationMarksAreThoseOfTheirSets) {
 
 TEST_F(Inp, OtherElementsAreHeld) {
   const std::string cards =
-      "*ELEMENT, TYPE=S3R\n100, 10, 20, 900000000000000050\n*ELEMENT, TYPE=B31\n101, 10, 20\n*ELEMENT, TYPE=S4\n102, "
-      "10, 20, 30, 40\n"
+      "*ELEMENT, TYPE=S3R\n100, 10, 20, 900000000000000050\n*ELEMENT, TYPE=B31\n101, 10, 900000000000000050\n"
+      "*ELEMENT, TYPE=S4\n102, 10, 20, 30, 40\n"
       "*ELEMENT, TYPE=S8R\n103, 10, 20, 30, 40,\n10, 20, 30, 40\n*ELEMENT, TYPE=D\n104, 0, 40, 0\n";
   const TetMesh m = read_mesh(put("a.inp", kTwoTets + cards), nullptr, 1);
   EXPECT_EQ(m.triangles, (std::vector<std::array<Index, 3>>{{0, 1, 4}}));

@@ -125,7 +125,7 @@
     charts.push(() => Plotly.react(gradient, [flip_bars(), line("gradient", sweeps, run.sweeps.map((s) => s.gradient_norm2), "before")],
       layout({ xaxis: axis("sweep"), yaxis: axis("squared norm", { type: "log", exponentformat: "power" }), yaxis2: second("flips"), margin: { l: 70, r: 60, t: kToolbar, b: 45 } }), config));
     const steps = [...run.sweeps.map((s) => [`sweep ${s.iteration}`, s.dihedral_min_deg]),
-      ...run.worst_rounds.map((w, i) => [`round ${i + 1}`, w.dihedral_min_deg])].filter((s) => s[1] > 0);
+      ...run.worst_rounds.map((w, i) => [`round ${i + 1}: ${w.work}`, w.dihedral_min_deg])].filter((s) => s[1] > 0);
     if (steps.length) {
       const angle = figure($("charts"), "Smallest dihedral angle over sweeps and rounds on the worst elements",
         `From ${steps[0][1].toFixed(2)}° after the first sweep to ${steps.at(-1)[1].toFixed(2)}°.`);

@@ -126,7 +126,8 @@ void read_inp_other(InpCursor& cursor, const InpElementType& type, Index set, In
     break;
   }
   const std::size_t found = scan.other_nodes.size() - first;
-  if (type.role != InpElementType::Role::unknown && found != expected) fail_count(cursor, element, found, expected);
+  if (type.role != InpElementType::Role::unknown && expected != 0 && found != expected)
+    fail_count(cursor, element, found, expected);
   scan.others.push_back({to_index(scan.model.element_labels.size()), type, first, scan.other_nodes.size(), line});
   add_element(scan, element.label, -1, set);
   check_count(cursor, scan.other_nodes.size(), kMaxEntries);

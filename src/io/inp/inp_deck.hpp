@@ -72,8 +72,8 @@ struct InpSet {
   std::vector<Index> rest;
   /// Tags of the regions in a set of elements; of those with all vertices in a set of nodes.
   std::vector<int> regions;
-  /// Tags of the quadrilaterals in a set of elements.
-  std::vector<int> quads;
+  /// Tags of the quadrilaterals in a set of elements, and of the edges.
+  std::vector<int> quads, lines;
   /// Face groups with all vertices in a set of nodes.
   std::vector<Index> groups;
   /// Tags of the patches with all vertices in a set of nodes; of those of triangles in a set of elements.
@@ -190,6 +190,9 @@ struct InpModel {
   std::vector<const char*> tet_lines;
   std::vector<Index> tet2card;
   std::vector<InpEntityCard> tet_cards;
+
+  /// The elements that are edges of tetrahedra, with their position in TetMesh::edges.
+  std::vector<std::pair<Index, Index>> lines;
 
   std::vector<InpTriangle> triangles;  ///< in the order of elements
   std::vector<InpEntityCard> triangle_cards;

@@ -139,7 +139,7 @@ constexpr std::array<InpTypeEntry, 9> kInpSolidTypes{{
     {"3D6", {InpRole::block, 6, "Prisms"}},
     {"3D8", {InpRole::block, 8, "Hexahedra"}},
 }};
-constexpr std::array<InpTypeEntry, 34> kInpOtherTypes{{
+constexpr std::array<InpTypeEntry, 36> kInpOtherTypes{{
     {"STRI3", {InpRole::triangle, 3}},
     {"S3", {InpRole::triangle, 3}},
     {"DS3", {InpRole::triangle, 3}},
@@ -167,6 +167,8 @@ constexpr std::array<InpTypeEntry, 34> kInpOtherTypes{{
     {"B31", {InpRole::edge, 2}},
     {"T3D2", {InpRole::edge, 2}},
     {"RB3D2", {InpRole::edge, 2}},
+    {"B32", {InpRole::quadratic_edge}},
+    {"T3D3", {InpRole::quadratic_edge}},
     {"STRI65", {InpRole::quadratic_triangle, 6}},
     {"S6", {InpRole::quadratic_triangle, 6}},
     {"DS6", {InpRole::quadratic_triangle, 6}},

@@ -41,7 +41,16 @@ bool parse_inp_integer(std::string_view field, std::int64_t& value);
 
 /// The role of an element type in a mesh.
 struct InpElementType {
-  enum class Role { tetrahedron, quadratic_tetrahedron, block, triangle, quadratic_triangle, edge, unknown };
+  enum class Role {
+    tetrahedron,
+    quadratic_tetrahedron,
+    block,
+    triangle,
+    quadratic_triangle,
+    edge,
+    quadratic_edge,
+    unknown,
+  };
   Role role = Role::unknown;
   /// 0 where unknown: the element ends with its line, unless a comma continues that.
   int nodes = 0;
@@ -51,6 +60,7 @@ struct InpElementType {
   /// Whether an element of a block has mid-side nodes; they follow the vertices.
   bool has_middles() const { return role == Role::block && nodes > find_element_kind(kind)->vertices; }
   bool is_triangle() const { return role == Role::triangle || role == Role::quadratic_triangle; }
+  bool is_edge() const { return role == Role::edge || role == Role::quadratic_edge; }
 };
 InpElementType inp_element_type(const std::string& type);
 

@@ -110,7 +110,7 @@ void erase_inp_middles(InpModel& model, TetMesh& mesh, const std::string& path) 
   find_held(model, mesh, is_middle);
   std::erase_if(mesh.required_vertices, [&](Index v) { return span_of(is_middle)[v] != 0; });
   std::set<std::array<Index, 2>> listed;
-  for (const auto& [a, b] : mesh.edges) listed.insert(ascending(a, b));
+  for (const Index e : mesh.required_edges) listed.insert(ascending(span_of(mesh.edges)[e]));
   MiddleList middles;
   for (const auto& [ends, node] : model.middles) {
     middles.nodes.push_back({node, ends});

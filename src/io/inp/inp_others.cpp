@@ -21,10 +21,9 @@ class InpMiddleNodes {
     for (const auto& [ends, node] : model.middles) span_of(node2edge_)[node] = ends;
     for (const auto& tet : model.tets) add_vertices(tet);
     for (const InpOther& other : scan.others) {
-      if (other.type.role == InpElementType::Role::unknown ||
-          other.type.role == InpElementType::Role::quadratic_triangle) {
-        continue;
-      }
+      using Role = InpElementType::Role;
+      const Role role = other.type.role;
+      if (role == Role::unknown || role == Role::quadratic_triangle || role == Role::quadratic_edge) continue;
       const std::vector<Index> nodes = nodes_of(other);
       const int vertices = other.type.kind == nullptr ? other.type.nodes : find_element_kind(other.type.kind)->vertices;
       add_vertices(std::span(nodes).first(std::min(nodes.size(), to_size_t(vertices))));

@@ -78,14 +78,19 @@ class InpRegions {
         if (s >= 0) names[c].push_back(span_of(model_.sets)[s].name);
       }
     }
-    std::vector<bool> occurs(combinations.size(), false), of_quads(combinations.size(), false);
+    std::vector<bool> occurs(combinations.size(), false), of_quads(occurs), of_lines(occurs);
     for (const Index e : model_.tet2element) occurs[to_size_t(span_of(combination)[e])] = true;
     for (const InpOther& other : scan_.others) {
       if (other.type.role != InpElementType::Role::block) continue;
       (is_solid(other.type) ? occurs : of_quads)[to_size_t(span_of(combination)[other.element])] = true;
     }
+    for (const auto& [element, edge] : model_.lines) of_lines[to_size_t(span_of(combination)[element])] = true;
     const std::vector<int> tags = number_inp_tags(names, occurs, "Volume");
     const std::vector<int> quad_tags = number_inp_tags(names, of_quads, "Surface");
+    const std::vector<int> line_tags = number_inp_tags(names, of_lines, "Line");
+    for (const auto& [element, edge] : model_.lines) {
+      span_of(mesh_.edge_tags)[edge] = span_of(line_tags)[span_of(combination)[element]];
+    }
     mesh_.tet_tags.reserve(model_.tets.size());
     for (const Index e : model_.tet2element) mesh_.tet_tags.push_back(span_of(tags)[span_of(combination)[e]]);
     std::map<const ElementBlock*, std::size_t> next;  // element of each block
@@ -96,10 +101,10 @@ class InpRegions {
           span_of(is_solid(other.type) ? tags : quad_tags)[span_of(combination)[other.element]];
     }
     add_regions(combinations, occurs, tags);
-    for (std::size_t c = 0; c < quad_tags.size(); ++c) {
-      if (!of_quads[c] || quad_tags[c] == 0) continue;
+    for (std::size_t c = 1; c < names.size(); ++c) {
       for (const Index s : combinations.of(to_index(c))) {
-        if (s >= 0) span_of(model_.sets)[s].quads.push_back(quad_tags[c]);
+        if (s >= 0 && of_quads[c]) span_of(model_.sets)[s].quads.push_back(quad_tags[c]);
+        if (s >= 0 && of_lines[c]) span_of(model_.sets)[s].lines.push_back(line_tags[c]);
       }
     }
   }
@@ -175,7 +180,7 @@ std::vector<int> tags_of_quads(const InpSet& set, const InpModel& model) {
 }
 
 void add_groups(const InpModel& model, TetMesh& mesh) {
-  InpGroups volumes(mesh, 3, "Volume"), patches(mesh, 2, "Surface");
+  InpGroups volumes(mesh, 3, "Volume"), patches(mesh, 2, "Surface"), lines(mesh, 1, "Line");
   for (const InpSet& set : model.sets) {
     if (!set.of_nodes) volumes.add(set, set.regions);
   }
@@ -198,7 +203,10 @@ void add_groups(const InpModel& model, TetMesh& mesh) {
     if (!set.of_nodes || !set.regions.empty() || taken.count(set.key) != 0) continue;
     patches.add(set, set.patches);
   }
-  for (const InpSet& set : model.sets) patches.add(set, tags_of_quads(set, model));
+  for (const InpSet& set : model.sets) {
+    patches.add(set, tags_of_quads(set, model));
+    lines.add(set, set.lines);
+  }
 }
 
 /// Holds the sets whose nodes other cards pair or load one by one, and those nested in them. Throws FileError where
@@ -246,6 +254,7 @@ void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
 
 void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context) {
   find_auxiliary_sets(scan, model);
+  find_inp_lines(scan, model, mesh);
   InpRegions(scan, model, mesh).make();
   find_inp_triangles(scan, model, mesh);
   hold_sets(scan, model);

@@ -94,16 +94,12 @@ class InpResolver {
     }
     if (other.type.is_triangle()) {
       resolve_triangle(other, v);
-    } else if (other.type.role == Role::edge) {
-      mesh_.required_edges.push_back(to_index(mesh_.edges.size()));
-      mesh_.edges.push_back({v[0], v[1]});
-      mesh_.edge_tags.push_back(0);
     } else if (other.type.role == Role::block) {
       ElementBlock& block = inp_block(mesh_, other.type);
       block.element2vertex.insert(block.element2vertex.end(), v.begin(), v.begin() + block.vertices_per_element);
       block.tags.push_back(0);
       if (block.second_order) add_middles_of(*find_element_kind(other.type.kind), v);
-    } else {
+    } else if (!other.type.is_edge()) {
       ++model_.text_elements;
       mesh_.required_vertices.insert(mesh_.required_vertices.end(), v.begin(), v.end());
     }

@@ -99,6 +99,10 @@ void resolve_inp(InpScan& scan, TetMesh& mesh, const std::string& path, const Io
 /// number, as required triangles or, with mid-side nodes, as required vertices.
 void find_inp_triangles(const InpScan& scan, InpModel& model, TetMesh& mesh);
 
+/// Finds the elements that are edges of tetrahedra, which are ridges of the mesh; it gets the others, and those that
+/// other cards name by number, as required edges or, with mid-side nodes, as required vertices.
+void find_inp_lines(const InpScan& scan, InpModel& model, TetMesh& mesh);
+
 /// Lists the triangles of surfaces, of elements that are faces of tetrahedra, and of sets of nodes on the boundary,
 /// with their tags; the rest of such sets of nodes is held.
 void find_inp_patches(const InpScan& scan, InpModel& model, TetMesh& mesh, const IoContext& context);

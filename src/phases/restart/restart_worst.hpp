@@ -112,6 +112,7 @@ bool restart_worst(Optimizer<Backend>& optimizer, const QualityFloor& input_floo
   const auto run_until = [&](int last) {
     while (round < last) {
       WorstReport r;
+      r.work = "restarts";
       bool has_worst = false;
       r.seconds = optimizer.timer.measure(Phase::restarts, [&] { has_worst = search->run_round(r); });
       if (!has_worst) return true;

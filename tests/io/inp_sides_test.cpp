@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elements of decks that are triangles on tetrahedra: shells, membranes and the surface elements that Gmsh writes.
+// Elements of decks that are triangles and edges of tetrahedra: shells, membranes, beams and the elements that Gmsh
+// writes on surfaces and curves.
 #include <algorithm>
 #include <map>
 
@@ -10,9 +11,9 @@
 namespace tetune::test {
 namespace {
 
-using InpTriangles = IoTest;
+using InpSides = IoTest;
 
-TEST_F(InpTriangles, ThoseOnFacesArePatchesByTheirSetsAndCards) {
+TEST_F(InpSides, ThoseOnFacesArePatchesByTheirSetsAndCards) {
   const std::string cards =
       "*ELEMENT, TYPE=CPS3, ELSET=OUT\n100, 10, 20, 30\n101, 10, 40, 20\n** a shell\n102, 20, 30, 40\n"
       "*ELEMENT, TYPE=S3\n103, 10, 30, 40\n104, 10, 20, 900000000000000050\n105, 30, 20, 10\n"
@@ -35,7 +36,7 @@ TEST_F(InpTriangles, ThoseOnFacesArePatchesByTheirSetsAndCards) {
   EXPECT_EQ(get("b.inp"), get("a.inp"));
 }
 
-TEST_F(InpTriangles, ThoseThatCardsNameByNumberAreHeld) {
+TEST_F(InpSides, ThoseThatCardsNameByNumberAreHeld) {
   const std::string elements = "*ELEMENT, TYPE=S3, ELSET=OUT\n100, 10, 20, 30\n101, 10, 40, 20\n";
   for (const char* card : {"*SURFACE, NAME=S\n101, SPOS\n", "*DLOAD\n101, P, 2.\n", "*DLOAD\n101, P3, 2.\n",
                            "*ELSET, ELSET=E\n101\n*DLOAD\nE, P3, 2.\n", "*NEW CARD\n101, 1.\n"}) {
@@ -46,7 +47,7 @@ TEST_F(InpTriangles, ThoseThatCardsNameByNumberAreHeld) {
   }
 }
 
-TEST_F(InpTriangles, QuadraticOnesHaveTheMiddlesOfTheirTetrahedra) {
+TEST_F(InpSides, QuadraticOnesHaveTheMiddlesOfTheirTetrahedra) {
   const std::string cards =
       "*ELEMENT, TYPE=CPS6, ELSET=OUT\n100, 1, 2, 3, 21, 12, 22\n*ELEMENT, TYPE=STRI65\n101, 1, 2, 4, 21, 14, 22\n";
   TetMesh m = read_mesh(put("a.inp", kTwoQuadratic + cards), nullptr, 1);
@@ -64,6 +65,39 @@ TEST_F(InpTriangles, QuadraticOnesHaveTheMiddlesOfTheirTetrahedra) {
   EXPECT_TRUE(contains(error, "element 100 has 5 nodes instead of 6")) << error;
 }
 
+TEST_F(InpSides, EdgesOfTetrahedraAreRidges) {
+  const std::string cards =
+      "*ELEMENT, TYPE=T3D2, ELSET=RIM\n100, 10, 20\n101, 20, 30\n*ELEMENT, TYPE=B31\n102, 40, 30\n"
+      "103, 10, 900000000000000050\n104, 10, 30\n*ELSET, ELSET=FIRST\n100\n*DLOAD\n104, P1, 2.\n";
+  const TetMesh m = read_mesh(put("a.inp", kTwoTets + cards), nullptr, 1);
+  EXPECT_EQ(m.edges, (std::vector<std::array<Index, 2>>{{0, 1}, {1, 2}, {3, 2}, {0, 4}, {0, 2}}));
+  EXPECT_EQ(m.ridges, (std::vector<Index>{0, 1, 2}));
+  EXPECT_EQ(m.required_edges, (std::vector<Index>{3, 4}));
+  const auto groups = groups_of(m, 1);
+  EXPECT_EQ(groups.at("RIM"), (std::vector<int>{1, 2}));
+  EXPECT_EQ(groups.at("FIRST"), std::vector<int>{m.edge_tags[0]});
+  EXPECT_EQ(m.edge_tags[2], 0);
+  write_mesh(path("b.inp"), m, 1);
+  EXPECT_EQ(get("b.inp"), get("a.inp"));
+}
+
+TEST_F(InpSides, QuadraticEdgesHaveTheMiddlesOfTheirTetrahedra) {
+  // In the order of Abaqus and in that of Gmsh; with a node of another edge, and without one.
+  const std::string cards =
+      "*ELEMENT, TYPE=B32\n100, 1, 21, 2\n101, 1, 13, 3\n102, 1, 4\n*ELEMENT, TYPE=T3D3\n103, 2, 3, 12\n";
+  const TetMesh m = read_mesh(put("a.inp", kTwoQuadratic + cards), nullptr, 1);
+  ASSERT_GE(m.edges.size(), 2U);
+  EXPECT_EQ(m.ridges, (std::vector<Index>{0, 1}));
+  EXPECT_EQ(m.edges[0], (std::array<Index, 2>{0, 1}));
+  EXPECT_EQ(m.edges[1], (std::array<Index, 2>{1, 2}));
+  // The nodes of the two others are held, the mid-side node with its edge.
+  EXPECT_EQ(m.required_vertices, (std::vector<Index>{0, 2, 3}));
+  ASSERT_EQ(m.required_edges, std::vector<Index>{2});
+  EXPECT_EQ(m.edges[2], (std::array<Index, 2>{2, 3}));
+  write_mesh(path("b.inp"), m, 1);
+  EXPECT_EQ(get("b.inp"), get("a.inp"));
+}
+
 /// The total area of the triangles of each tag.
 std::map<int, double> areas(const TetMesh& m) {
   std::map<int, double> sums;
@@ -75,7 +109,7 @@ std::map<int, double> areas(const TetMesh& m) {
   return sums;
 }
 
-TEST_F(InpTriangles, TheyFollowTheFacesOfTheMesh) {
+TEST_F(InpSides, TheyFollowTheFacesOfTheMesh) {
   const TetMesh source = two_materials(4, 0.2);
   write_mesh(path("a.inp"), source, 1);
   std::string elements = "*ELEMENT, TYPE=CPS3, ELSET=SKIN\n";
