@@ -142,8 +142,8 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
   backend.for_each(mesh.vertices(), StartSurfacePoint{dofs.surface_point});
 }
 
-/// Lets vertices of thin sheets that slide move in planes and along lines instead; those beside other triangles stay,
-/// as do those on feature lines. Returns the triangles of thin sheets: 1 per triangle of the surface.
+/// Lets vertices of thin sheets that slide move in planes and along lines instead; those beside other triangles and at
+/// thin rims stay. Returns 1 per triangle of the surface that is of a thin sheet, else 0; nothing where none is.
 template <class Backend>
 std::vector<std::uint8_t> keep_thin_sheets(const Backend& backend, WorkMesh<Backend>& mesh,
                                            const DofInput<Backend>& input, VertexDofs<Backend>& dofs, Report& report) {
@@ -202,7 +202,7 @@ inline void count_dofs(const std::vector<VertexDof>& dofs, Report& report) {
 /// The parts of a surface that slides whose vertices do not.
 struct HeldParts {
   FlatPatches flat;                ///< with DofInput::keeps_flat_patches
-  std::vector<std::uint8_t> thin;  ///< with DofInput::keeps_thin_sheets: 1 per triangle of a thin sheet; empty: none
+  std::vector<std::uint8_t> thin;  ///< with DofInput::keeps_thin_sheets: as keep_thin_sheets() returns it
 };
 
 /// Finds where each vertex may go, by Options::boundary, and makes all vertices active. The report receives the

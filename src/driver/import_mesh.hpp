@@ -232,8 +232,9 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
                                 .keeps_thin_sheets = keeps_thin_sheets(source),
                                 .original2vertex = original2vertex};
   const HeldParts held = find_dofs(backend, work.mesh, input, work.dofs, report);
-  hold_triangles(backend, held, keeps_flat_patches(source), work.boundary);
   if (moves) import_periodic(backend, mesh, input, without_links, work, report);
+  // After the triangles of periodic faces, which flip with their images alone.
+  hold_triangles(backend, held, keeps_flat_patches(source), work.boundary);
   if (bends_surface(options)) let_surface_bend(backend, options, work);
   work.flips.constrained_keys.swap(edges.keys);
   work.flips.constrained_vertex.swap(edges.on_vertex);

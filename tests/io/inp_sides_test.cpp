@@ -36,6 +36,16 @@ TEST_F(InpSides, ThoseOnFacesArePatchesByTheirSetsAndCards) {
   EXPECT_EQ(get("b.inp"), get("a.inp"));
 }
 
+TEST_F(InpSides, NormalsKeepTheirSides) {
+  const auto tags = [this](const char* second) {
+    return read_mesh(put("a.inp", kTwoTets + "*ELEMENT, TYPE=S3, ELSET=OUT\n100, 10, 30, 20\n101, " + second + "\n"),
+                     nullptr, 1)
+        .triangle_tags;
+  };
+  EXPECT_EQ(tags("10, 20, 40"), (std::vector<int>{1, 1}));
+  EXPECT_EQ(tags("10, 40, 20"), (std::vector<int>{1, 2}));
+}
+
 TEST_F(InpSides, ThoseThatCardsNameByNumberAreHeld) {
   const std::string elements = "*ELEMENT, TYPE=S3, ELSET=OUT\n100, 10, 20, 30\n101, 10, 40, 20\n";
   for (const char* card : {"*SURFACE, NAME=S\n101, SPOS\n", "*DLOAD\n101, P, 2.\n", "*DLOAD\n101, P3, 2.\n",

@@ -46,7 +46,9 @@ struct InpTriangle {
   bool has_middles;
   /// Whether it is a face of tetrahedra, and changes with these; else it stays.
   bool is_face = false;
-  int tag = 0;  ///< of its patch, where it is a face
+  Index tet = -1;     ///< the first of these,
+  int opposite = -1;  ///< and its vertex opposite the face
+  int tag = 0;        ///< of its patch, where it is a face
 };
 
 /// A set of nodes or elements: all cards of one name.

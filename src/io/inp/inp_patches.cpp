@@ -94,7 +94,8 @@ class InpPatches {
   static Index set_of(Index member) { return -1 - member; }
   Index card_of(Index member) const { return set_of(member) - to_index(model_.sets.size()); }
 
-  /// Adds the elements that are faces of tetrahedra, to patches by their card and their sets.
+  /// Adds the elements that are faces of tetrahedra, to patches by their card, the side that their normal points to,
+  /// and their sets.
   void add_elements() {
     std::vector<Index> position(model_.triangles.size(), -1);
     for (std::size_t i = 0; i < position.size(); ++i) {
@@ -103,7 +104,10 @@ class InpPatches {
       position[i] = to_index(triangles_.size());
       positions_.emplace(ascending(t.vertices), position[i]);
       triangles_.push_back(t.vertices);
-      combination_.push_back(combinations_.with(0, {member_of_card(t.card), 0}));
+      const std::array<Index, 3> outward = outward_face(t.tet, t.opposite);
+      const auto first = to_size_t(std::find(outward.begin(), outward.end(), t.vertices[0]) - outward.begin());
+      const int side = outward[(first + 1) % 3] == t.vertices[1] ? 0 : 1;
+      combination_.push_back(combinations_.with(0, {member_of_card(t.card), side}));
       elements_.push_back(to_index(i));
     }
     for (Index s = 0; s < std::ssize(model_.sets) && !elements_.empty(); ++s) {

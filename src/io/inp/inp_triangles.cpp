@@ -35,9 +35,12 @@ class InpTriangles {
       if (!is_listed(held, t.element)) first.try_emplace(ascending(t.vertices), i);
     }
     const ListedFaces<3> faces({first.begin(), first.end()}, mesh_.points.size());
-    for (const auto& tet : mesh_.tets) {
-      faces.find_in_tet(tet, [this](std::size_t, Index i) {
+    for (Index k = 0; k < std::ssize(mesh_.tets); ++k) {
+      faces.find_in_tet(span_of(mesh_.tets)[k], [this, k](std::size_t opposite, Index i) {
         InpTriangle& t = span_of(model_.triangles)[i];
+        if (t.tet >= 0) return;
+        t.tet = k;
+        t.opposite = int(opposite);
         t.is_face = !t.has_middles || has_middles_of_tets(t);
       });
     }
