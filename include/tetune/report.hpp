@@ -106,7 +106,7 @@ struct Report : OperationCounts {
   /// With Boundary::slide: numbers of vertices that slide on the surface and along its feature lines.
   std::int64_t surface_vertices = 0, curve_vertices = 0;
   /// With Boundary::slide and no Options::max_deviation: number of vertices that do not slide, as they are on curved
-  /// sheets that are thin for their triangles (docs/method.md, "Thin sheets").
+  /// sheets that are thin for their triangles, or at curved rims of thin sheets (docs/method.md, "Thin sheets").
   std::int64_t thin_vertices = 0;
   /// Number of vertices that move together with their images (TetMesh::periodic).
   std::int64_t periodic_vertices = 0;

@@ -356,8 +356,8 @@ def merged(parts: list[dict[str, Any]], sizes: list[int]) -> dict[str, Any]:
 
 def with_middles(points: Any, cells: list[tuple[int, Any, Any]], point_data: dict[str, Any],
                  curved: Any) -> tuple[Any, list[tuple[int, Any, Any]], dict[str, Any]]:
-    """Points, cells and data of second order: the node of each edge, behind all vertices. Its data are those of Middles
-    in src/io/second_order.cpp: means of both ends, or integers of the first."""
+    """Points, cells and data of second order: the node of each edge, behind all vertices. Its data are
+    means of both ends, or integers of the first, as of Middles in src/io/second_order.cpp but for sets of nodes."""
     of_kind = {first: (second, [list(p) for p in pairs]) for second, (_, first, pairs) in SECOND.items()}
     ends = [np.sort(ids[:, pair], axis=1) for kind, ids, _ in cells if kind in of_kind for pair in of_kind[kind][1]]
     edges, number = np.unique(np.concatenate(ends), axis=0, return_inverse=True)

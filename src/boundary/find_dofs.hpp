@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "boundary/classify.hpp"
@@ -147,9 +148,7 @@ void classify_own_surface(const Backend& backend, WorkMesh<Backend>& mesh, const
 template <class Backend>
 std::vector<std::uint8_t> keep_thin_sheets(const Backend& backend, WorkMesh<Backend>& mesh,
                                            const DofInput<Backend>& input, VertexDofs<Backend>& dofs, Report& report) {
-  ThinSheets sheets = find_thin_sheets(backend, mesh, dofs.reference);
-  const std::vector<std::uint8_t>& is_thin = sheets.triangles;
-  std::vector<std::uint8_t>& stays = sheets.rims;
+  auto [is_thin, stays] = find_thin_sheets(backend, mesh, dofs.reference);
   const auto has_marks = [](const std::vector<std::uint8_t>& marks) {
     return std::find(marks.begin(), marks.end(), 1) != marks.end();
   };
@@ -170,7 +169,7 @@ std::vector<std::uint8_t> keep_thin_sheets(const Backend& backend, WorkMesh<Back
   }
   dofs.dof.upload(backend, dof);
   dofs.axis.upload(backend, axis);
-  return is_thin;
+  return std::move(is_thin);
 }
 
 /// Lets the vertices of flat patches of the reference surface move in planes and along lines.

@@ -147,11 +147,15 @@ inline bool flips_surface(const ImportInput& source) {
   return flips_boundary(source.options) && (!has_deviation_bound(source.options) || keeps_flat_patches(source));
 }
 
+/// Whether a whole mesh is optimized on its own surface: it is no part of a larger one, and follows no targets.
+inline bool is_whole(const ImportInput& source) {
+  return source.slides_on == nullptr && source.linked == LinkedVertices::move;
+}
+
 /// Whether vertices of thin sheets move as with Boundary::preserve: sliding could make such a sheet several times as
-/// thick. A bound on the deviation limits that, too; a given surface has the vertices that may slide on it.
+/// thick. A bound on the deviation limits that, too.
 inline bool keeps_thin_sheets(const ImportInput& source) {
-  return source.options.boundary == Boundary::slide && !has_deviation_bound(source.options) &&
-         source.slides_on == nullptr && source.linked == LinkedVertices::move;
+  return source.options.boundary == Boundary::slide && !has_deviation_bound(source.options) && is_whole(source);
 }
 
 /// Lets edges be flipped in flat patches alone where there is a bound on the deviation, as the vertices of other
@@ -201,8 +205,7 @@ void import_surface(const Backend& backend, const ImportInput& source, const Con
   work.listed_triangles = listed_state.download();
 
   work.vertex_constraints = work_constraints(mesh, constraints.vertices, original2vertex, work.listed_triangles);
-  const bool moves =
-      source.linked == LinkedVertices::move && source.slides_on == nullptr && moves_periodic(mesh, options);
+  const bool moves = is_whole(source) && moves_periodic(mesh, options);
   const std::vector<VertexConstraint> without_links =
       moves ? work_constraints(mesh, constraints.vertices_without_links, original2vertex, work.listed_triangles)
             : work.vertex_constraints;

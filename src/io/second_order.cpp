@@ -75,9 +75,9 @@ class SetMiddles {
     if (std::none_of(mesh.point_data.begin(), mesh.point_data.end(), is_node_set)) return;
     const SurfaceEdges surface(mesh);
     for (const auto& tet : mesh.tets) {
-      for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-        const Index a = tet[to_size_t(kTetEdges[e][0])];
-        const Index b = tet[to_size_t(kTetEdges[e][1])];
+      for (const auto& [i, j] : kTetEdges) {
+        const Index a = tet[to_size_t(i)];
+        const Index b = tet[to_size_t(j)];
         if (!surface.is_across(a, b)) continue;
         for (const Index v : tet) {
           if (v != a && v != b) across_.push_back({ascending(a, b), v});
@@ -108,10 +108,10 @@ template <class T>
 T middle_value(const DataArray& array, const std::vector<T>& values, std::size_t c, const std::array<Index, 2>& ends,
                const SetMiddles& sets) {
   const std::size_t each = components_of(array);
-  if (is_node_set(array)) return sets.has(values, ends[0], ends[1]) ? T{1} : T{0};
   const T x = entry_of(values, ends[0], each)[c];
   if constexpr (std::is_floating_point_v<T>) return T((x + entry_of(values, ends[1], each)[c]) / 2);
-  return x;
+  if (!is_node_set(array)) return x;
+  return sets.has(values, ends[0], ends[1]) ? T{1} : T{0};
 }
 
 /// Whether the values of an array at mid-side nodes are those that Middles adds, to rounding.

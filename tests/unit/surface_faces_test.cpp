@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "io/second_order.hpp"
+#include "mesh/surface_edges.hpp"
 #include "mesh/tet_orientation.hpp"
 #include "quality/mesh_surface.hpp"
 #include "support/meshes.hpp"
@@ -91,6 +93,32 @@ TEST(ForEachSurfaceFace, VisitsAllFacesBetweenManyRegions) {
   TetMesh m = test::cube(5, 0.1);
   for (int& tag : m.tet_tags) tag = static_cast<int>(random() % 5) - 2;
   EXPECT_EQ(found_faces(m, 2), expected_faces(m));
+}
+
+TEST(SurfaceEdges, AreThoseOfTheFaces) {
+  std::mt19937 random(7);
+  TetMesh m = test::cube(4, 0.1);
+  for (int& tag : m.tet_tags) tag = static_cast<int>(random() % 8) == 0 ? 2 : 1;
+  std::set<Index> vertices;
+  std::set<std::pair<Index, Index>> edges;
+  for (const auto& [v, is_boundary] : expected_faces(m)) {
+    vertices.insert(v.begin(), v.end());
+    edges.insert({{v[0], v[1]}, {v[1], v[2]}, {v[0], v[2]}});
+  }
+  const SurfaceEdges surface(m);
+  int across = 0;
+  for (const auto& tet : m.tets) {
+    for (const auto& [i, j] : kTetEdges) {
+      const std::array<Index, 2> e = ascending(tet[to_size_t(i)], tet[to_size_t(j)]);
+      const bool is_across = vertices.contains(e[0]) && vertices.contains(e[1]) && !edges.contains({e[0], e[1]});
+      EXPECT_EQ(surface.is_across(e[0], e[1]), is_across);
+      across += is_across ? 1 : 0;
+    }
+  }
+  EXPECT_GT(across, 0);
+  for (Index v = 0; v < std::ssize(m.points); ++v) {
+    EXPECT_EQ(span_of(surface.on_surface())[v] != 0, vertices.contains(v));
+  }
 }
 
 /// The midpoint of each edge is a sample of a comparison, taken from a triangle that lists the edge in one direction.

@@ -15,8 +15,9 @@
 /// be more than the sheet is thick.
 namespace tetune {
 
-/// A sheet is thin for a triangle where its thickness is below this part of its mean edge, and below this part of the
-/// height by which the surface bends there; at a feature line, below this part of the height by which the line bends.
+/// A sheet is thin for a triangle where its thickness is below kThinPart of the mean edge of the triangle, and below
+/// kThinBend of the height by which the surface bends there; at a feature line, below kThinRim of the height by which
+/// the line bends.
 inline constexpr double kThinPart = 0.25;
 inline constexpr double kThinBend = 0.5;
 inline constexpr double kThinRim = 0.25;

@@ -46,9 +46,13 @@ class InpLines {
     return {-1, -1};
   }
 
+  /// Marks those that other cards do not name by number.
   void mark_edges_of_tets(std::vector<Line>& lines) const {
+    const std::vector<Index> held = scan_.find_held_elements();
     std::vector<std::pair<std::array<Index, 2>, Index>> by_ends;
-    for (std::size_t i = 0; i < lines.size(); ++i) by_ends.emplace_back(lines[i].ends, to_index(i));
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (!is_listed(held, lines[i].other->element)) by_ends.emplace_back(lines[i].ends, to_index(i));
+    }
     const ListedFaces<2> listed(std::move(by_ends), mesh_.points.size());
     for (const auto& tet : mesh_.tets) {
       if (listed.count_listed(tet) < 2) continue;
@@ -57,21 +61,11 @@ class InpLines {
                     [&lines](Index i) { span_of(lines)[i].is_edge_of_tet = true; });
       }
     }
-    for (const std::int64_t label : scan_.held_elements) {
-      const Index held = model_.element(label);
-      const auto is_before = [](const Line& line, Index e) { return line.other->element < e; };
-      const auto at = std::lower_bound(lines.begin(), lines.end(), held, is_before);
-      if (at != lines.end() && at->other->element == held) at->is_edge_of_tet = false;
-    }
   }
 
   void add(const Line& line) {
-    if (!line.is_edge_of_tet && line.other->type.role == InpElementType::Role::quadratic_edge) {
-      ++model_.text_elements;
-      const std::size_t nodes = line.other->end_node - line.other->first_node;
-      for (std::size_t k = 0; k < nodes; ++k) mesh_.required_vertices.push_back(node(*line.other, k));
-      return;
-    }
+    if (!line.is_edge_of_tet && line.other->type.role == InpElementType::Role::quadratic_edge)
+      return hold_nodes_of(*line.other, scan_, model_, mesh_);
     const Index position = to_index(mesh_.edges.size());
     mesh_.edges.push_back(line.ends);
     mesh_.edge_tags.push_back(0);

@@ -87,6 +87,13 @@ class InpMiddleNodes {
 
 }  // namespace
 
+void hold_nodes_of(const InpOther& other, const InpScan& scan, InpModel& model, TetMesh& mesh) {
+  ++model.text_elements;
+  for (std::size_t i = other.first_node; i < other.end_node; ++i) {
+    mesh.required_vertices.push_back(model.node(scan.other_nodes[i]));
+  }
+}
+
 void hold_unfit_others(InpScan& scan) {
   const auto has_middles = [](const InpOther& other) { return other.type.has_middles(); };
   if (std::none_of(scan.others.begin(), scan.others.end(), has_middles)) return;

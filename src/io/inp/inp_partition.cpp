@@ -241,9 +241,8 @@ void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
   for (const std::int64_t label : scan.held_nodes) {
     if (const Index node = model.node(label); node >= 0) mesh.required_vertices.push_back(node);
   }
-  for (const std::int64_t label : scan.held_elements) {
-    const Index element = model.element(label);
-    const Index tet = element < 0 ? -1 : span_of(model.element2tet)[element];
+  for (const Index element : scan.find_held_elements()) {
+    const Index tet = span_of(model.element2tet)[element];
     if (tet >= 0) mesh.required_tets.push_back(tet);
   }
   sort_unique(mesh.required_vertices);

@@ -43,8 +43,7 @@ class InpResolver {
   InpPlace place_of_element(Index element) const {
     const Index tet = span_of(model_.element2tet)[element];
     if (tet >= 0) return scan_.place_of(span_of(model_.tet_lines)[tet]);
-    const auto is_before = [](const InpOther& other, Index e) { return other.element < e; };
-    return scan_.place_of(std::lower_bound(scan_.others.begin(), scan_.others.end(), element, is_before)->line);
+    return scan_.place_of(scan_.other(element).line);
   }
   void refuse_repeated() const {
     const auto refuse = [](const char* kind, const std::vector<std::int64_t>& labels, std::int64_t repeated,
@@ -100,8 +99,7 @@ class InpResolver {
       block.tags.push_back(0);
       if (block.second_order) add_middles_of(*find_element_kind(other.type.kind), v);
     } else if (!other.type.is_edge()) {
-      ++model_.text_elements;
-      mesh_.required_vertices.insert(mesh_.required_vertices.end(), v.begin(), v.end());
+      hold_nodes_of(other, scan_, model_, mesh_);
     }
   }
 

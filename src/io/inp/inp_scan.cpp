@@ -352,6 +352,20 @@ InpPlace InpScan::place_of(const char* at) const {
   return {paths.front(), 1};
 }
 
+const InpOther& InpScan::other(Index element) const {
+  return *std::lower_bound(others.begin(), others.end(), element,
+                           [](const InpOther& before, Index e) { return before.element < e; });
+}
+
+std::vector<Index> InpScan::find_held_elements() const {
+  std::vector<Index> elements;
+  for (const std::int64_t label : held_elements) {
+    if (const Index element = model.element(label); element >= 0) elements.push_back(element);
+  }
+  sort_unique(elements);
+  return elements;
+}
+
 void refuse_ansys_deck(const std::string& path, std::string_view text) {
   static constexpr std::array kCommands{"/PREP7", "/BATCH", "/COM",   "/TITLE", "/NOPR", "/FILNAME", "/CLEAR", "/UNITS",
                                         "*SET",   "N",      "NBLOCK", "EBLOCK", "ET",    "EN",       "MPTEMP"};

@@ -75,6 +75,10 @@ struct InpScan {
   }
   /// The file and line of a byte of the text.
   InpPlace place_of(const char* at) const;
+  /// An element that is no tetrahedron.
+  const InpOther& other(Index element) const;
+  /// The elements that other cards name by number, ascending. Requires InpModel::elements.
+  std::vector<Index> find_held_elements() const;
 };
 
 /// Reads the text of a deck and of the files that it includes. Throws FileError.
@@ -82,6 +86,9 @@ InpScan scan_inp(const std::string& path, std::string bytes);
 
 /// Throws FileError if a text without nodes is one of ANSYS's commands, whose files have the same ending.
 void refuse_ansys_deck(const std::string& path, std::string_view text);
+
+/// Holds the nodes of an element that the mesh cannot have.
+void hold_nodes_of(const InpOther& other, const InpScan& scan, InpModel& model, TetMesh& mesh);
 
 /// Makes elements of second order, but for tetrahedra, elements of unknown types, whose nodes are held, where the mesh
 /// cannot have them: beside tetrahedra of first order, or where a mid-side node has another part.

@@ -26,9 +26,7 @@ class InpTriangles {
  private:
   /// Marks the faces of tetrahedra, of elements with the same vertices the first one.
   void find_faces() {
-    std::vector<Index> held;
-    for (const std::int64_t label : scan_.held_elements) held.push_back(model_.element(label));
-    sort_unique(held);
+    const std::vector<Index> held = scan_.find_held_elements();
     std::map<std::array<Index, 3>, Index> first;
     for (Index i = 0; i < std::ssize(model_.triangles); ++i) {
       const InpTriangle& t = span_of(model_.triangles)[i];
@@ -48,10 +46,9 @@ class InpTriangles {
 
   /// Whether the mid-side nodes of a triangle on tetrahedra are those of their edges.
   bool has_middles_of_tets(const InpTriangle& t) const {
-    const auto is_before = [](const InpOther& other, Index e) { return other.element < e; };
-    const auto other = std::lower_bound(scan_.others.begin(), scan_.others.end(), t.element, is_before);
+    const InpOther& other = scan_.other(t.element);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Index node = model_.node(scan_.other_nodes[other->first_node + 3 + k]);
+      const Index node = model_.node(scan_.other_nodes[other.first_node + 3 + k]);
       const std::pair edge{ascending(t.vertices[k], t.vertices[(k + 1) % 3]), node};
       if (!std::binary_search(model_.middles.begin(), model_.middles.end(), edge)) return false;
     }
@@ -60,13 +57,7 @@ class InpTriangles {
 
   /// Keeps an element that is no face, or that other cards name by number.
   void hold(const InpTriangle& t, const InpOther& other) {
-    if (t.has_middles) {
-      ++model_.text_elements;
-      for (std::size_t i = other.first_node; i < other.end_node; ++i) {
-        mesh_.required_vertices.push_back(model_.node(scan_.other_nodes[i]));
-      }
-      return;
-    }
+    if (t.has_middles) return hold_nodes_of(other, scan_, model_, mesh_);
     mesh_.required_triangles.push_back(to_index(mesh_.triangles.size()));
     mesh_.triangles.push_back(t.vertices);
     mesh_.triangle_tags.push_back(0);
