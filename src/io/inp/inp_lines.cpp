@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "io/inp/inp_scan.hpp"
+#include "io/second_order.hpp"
 #include "mesh/listed_faces.hpp"
 
 namespace tetune {
