@@ -128,7 +128,7 @@ TEST(Neighborhood, PutBackUnchangedLeavesTheMeshAsItWas) {
       NeighborhoodFinder finder(after);
       for (Index slot = 0; slot < before.slots(); slot += 37) {
         finder.find(slot, 1 + slot % 3);
-        Neighborhood neighborhood(after, finder.found(), list_by_lowest_vertex(Cpu(1), after));
+        Neighborhood neighborhood(after, finder.found(), list_corners(Cpu(1), after));
         EXPECT_EQ(neighborhood.work.mesh.tets(), std::ssize(finder.tets()));
         EXPECT_EQ(neighborhood.work.dofs.max_deviation, before.max_deviation);
         neighborhood.put_back(after);
@@ -188,7 +188,7 @@ TEST(Neighborhood, FixesTheVerticesThatOthersHaveToo) {
   const HostWork mesh = imported(test::cube(5), Boundary::preserve);
   NeighborhoodFinder finder(mesh);
   finder.find(to_index(mesh.slots() / 2), 1);
-  Neighborhood neighborhood(mesh, finder.found(), list_by_lowest_vertex(Cpu(1), mesh));
+  Neighborhood neighborhood(mesh, finder.found(), list_corners(Cpu(1), mesh));
   std::vector<int> tets_at(mesh.points.size(), 0);
   for (const Index t : neighborhood.slots()) {
     for (int k = 0; k < 4; ++k) ++span_of(tets_at)[span_of(mesh.tet2vertex)[t][k]];
@@ -224,8 +224,43 @@ TEST(Neighborhood, DoesNotMoveAVertexWherePartsTouch) {
   NeighborhoodFinder finder(work);
   finder.find(0, 3);
   EXPECT_EQ(finder.tets().size(), 1U);
-  Neighborhood neighborhood(work, finder.found(), list_by_lowest_vertex(Cpu(1), work));
+  Neighborhood neighborhood(work, finder.found(), list_corners(Cpu(1), work));
   EXPECT_EQ(std::ranges::count(neighborhood.work.dofs.dof.download(), VertexDof::fixed), 1);
+}
+
+/// A triangle of a neighborhood gets another vertex. Its new edges, or the triangle itself, may be elsewhere in the
+/// mesh.
+TEST(Neighborhood, FindsSurfaceThatTheRestOfTheMeshHas) {
+  const HostWork mesh = imported(test::cube(5), Boundary::slide);
+  const CornersByVertex corners = list_corners(Cpu(1), mesh);
+  NeighborhoodFinder finder(mesh);
+  finder.find(0, 1);
+  Neighborhood part(mesh, finder.found(), corners);
+  EXPECT_FALSE(part.doubles_surface(mesh, corners));
+
+  BoundaryTriangle& t = part.work.boundary.triangles.span()[0];
+  const auto of_whole = [&](Index v) {
+    return to_index(std::ranges::find(mesh.vertex2original, part.work.mesh.vertex2original.span()[v]) -
+                    mesh.vertex2original.begin());
+  };
+  const auto has_edge_to = [&](Index v) {
+    return have_edge(span_of(mesh.triangles), corners.view(), of_whole(t.v[1]), of_whole(v)) ||
+           have_edge(span_of(mesh.triangles), corners.view(), of_whole(t.v[2]), of_whole(v));
+  };
+  Index other = 0;
+  while (other == t.v[1] || other == t.v[2] || has_edge_to(other)) ++other;
+  t.v[0] = other;
+  EXPECT_FALSE(part.doubles_surface(mesh, corners));
+
+  const Index outside = to_index(mesh.vertices() - 1);
+  for (const Index third : {outside, of_whole(t.v[2])}) {
+    HostWork more = mesh;
+    BoundaryTriangle& added = more.triangles.emplace_back(t);
+    added.v[0] = of_whole(other);
+    added.v[1] = of_whole(t.v[1]);
+    added.v[2] = third;
+    EXPECT_TRUE(part.doubles_surface(more, list_corners(Cpu(1), more)));
+  }
 }
 
 struct Restarted {

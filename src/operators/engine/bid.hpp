@@ -5,6 +5,8 @@
 #include <cstring>
 
 #include "backend/atomic.hpp"
+#include "math/mix_bits.hpp"
+#include "mesh/constrained_edges.hpp"
 #include "mesh/work_mesh.hpp"
 
 /// Bids for tetrahedra: each candidate bids on all tetrahedra of its cavity, and each tetrahedron keeps the highest
@@ -30,16 +32,40 @@ TETUNE_HD inline std::uint64_t make_bid(double gain, std::uint32_t id) {
   return (std::uint64_t{bits} << 32) | ~id;
 }
 
-/// Bids on all tetrahedra of a cavity.
-template <class Cavity>
-TETUNE_HD void place_bid(const Cavity& cavity, std::uint64_t bid, Span<std::uint64_t> tet2bid) {
-  for (int k = 0; k < cavity.old_count(); ++k) backend::atomic_max(tet2bid[cavity.tets[k]], bid);
+/// The highest bid on each tetrahedron, and on each slot that stands for edges.
+struct Bids {
+  Span<std::uint64_t> tets, edges;
+};
+
+/// The slot of Bids::edges that stands for an edge: candidates that make this edge of the surface bid on it, so that at
+/// most one of them is selected. It may stand for another edge as well: then one of both is left for another pass.
+TETUNE_HD inline Index slot_of_edge(Index p, Index q, Size slots) {
+  return Index(mix_bits(ConstrainedEdges::edge_key(p, q)) % std::uint64_t(slots));
 }
-/// Whether a bid is the highest on all tetrahedra of a cavity. Other cavities may become selected at the same time.
+
+/// The number of edges of the surface that a candidate makes.
 template <class Cavity>
-TETUNE_HD bool holds_all(const Cavity& cavity, std::uint64_t bid, Span<const std::uint64_t> tet2bid) {
-  for (int k = 0; k < cavity.old_count(); ++k) {
-    if (backend::load_shared(tet2bid[cavity.tets[k]]) != bid) return false;
+TETUNE_HD int edge_count(const Cavity& cavity) {
+  if constexpr (requires { cavity.edge_count(); }) return cavity.edge_count();
+  return 0;
+}
+/// Bids on all tetrahedra of a cavity, and on the edges that it makes.
+template <class Cavity>
+TETUNE_HD void place_bid(const Cavity& cavity, std::uint64_t bid, const Bids& bids) {
+  const int tets = cavity.old_count();
+  for (int k = 0; k < tets; ++k) backend::atomic_max(bids.tets[cavity.tets[k]], bid);
+  for (int k = 0; k < edge_count(cavity); ++k) backend::atomic_max(bids.edges[cavity.tets[tets + k]], bid);
+}
+/// Whether a bid is the highest on all tetrahedra of a cavity and all edges that it makes. Other cavities may become
+/// selected at the same time.
+template <class Cavity>
+TETUNE_HD bool holds_all(const Cavity& cavity, std::uint64_t bid, const Bids& bids) {
+  const int tets = cavity.old_count();
+  for (int k = 0; k < tets; ++k) {
+    if (backend::load_shared(bids.tets[cavity.tets[k]]) != bid) return false;
+  }
+  for (int k = 0; k < edge_count(cavity); ++k) {
+    if (bids.edges[cavity.tets[tets + k]] != bid) return false;
   }
   return true;
 }

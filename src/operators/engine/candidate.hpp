@@ -29,6 +29,8 @@ struct NewNeighbor {
 /// - New tetrahedron x takes the slot of the old one x, while there is one, and descends from it; the others descend
 ///   from the first old one. Where the patch has parent(x), new tetrahedron x descends from that one, and there are at
 ///   most kMaxExtraTets new ones.
+/// - Where the patch and the candidate have edge_count(), as many slots that stand for edges of the surface which the
+///   candidate makes (slot_of_edge()) follow the tetrahedra, from tets[old_count()] on.
 /// - Two parts of a candidate make the same faces in a surface; where the patch has meets(other), only if that is true.
 template <class P>
 concept CavityPatch = std::is_trivially_copyable_v<P> &&

@@ -6,6 +6,7 @@
 #include "energy/mesh_energy.hpp"
 #include "mesh/constrained_edges.hpp"
 #include "mesh/edge_star.hpp"
+#include "operators/engine/bid.hpp"
 #include "tetune/flip_counts.hpp"
 
 namespace tetune {
@@ -50,6 +51,8 @@ struct FlipState {
   Buffer<double> energies;
   /// The highest bid on each slot: gain in the high half, id in the low one. Scratch of a pass.
   Buffer<std::uint64_t> tet2bid;
+  /// The highest bid on each slot that stands for edges (slot_of_edge()). Scratch of a pass.
+  Buffer<std::uint64_t> edge2bid;
   /// Whether an activation has set the bids of all slots to 0.
   bool bids_are_clear = false;
   /// The slots to evaluate, and for each slot 0, kActive or kActiveIfPromising.
@@ -72,20 +75,24 @@ struct FlipState {
   void release_active() {
     active = {};
     tet2bid = {};
+    edge2bid = {};
     bids_are_clear = false;
   }
 
+  Bids highest() { return {tet2bid.span(), edge2bid.span()}; }
   ConstrainedEdges constrained() { return {constrained_keys.span(), constrained_vertex.span()}; }
 
   /// Called before a pass, whose bids are not clear afterwards. The number of slots may have changed since the last
   /// activation.
-  void start_pass(const Backend& backend, const WorkMesh<Backend>& mesh) {
+  void start_pass(const Backend& backend, const WorkMesh<Backend>& mesh, Size edge_slots) {
     grow_filled(backend, marks, mesh.slots(), std::uint8_t{0});
     if (!bids_are_clear || tet2bid.size() != mesh.slots()) {
       tet2bid.resize(backend, mesh.slots(), mesh.room());
       backend.fill(tet2bid.span(), std::uint64_t{0});
     }
     bids_are_clear = false;
+    edge2bid.resize(backend, edge_slots);
+    if (edge_slots > 0) backend.fill(edge2bid.span(), std::uint64_t{0});
   }
 
   void make_room(const Backend& backend, Size slots) {

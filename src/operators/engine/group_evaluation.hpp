@@ -132,7 +132,7 @@ class GroupEvaluation {
       const double gain = generator_.evaluate(t, at.local, memory_.per_tet[at.proposal], c, evaluated_);
       if (gain > 0) {
         bid = make_bid(gain, candidate_id(t, at.local));
-        place_bid(c, bid, proposals_.tet2bid);
+        place_bid(c, bid, proposals_.highest);
         backend::atomic_max(memory_.best_bid[at.proposal], bid);
       }
     }

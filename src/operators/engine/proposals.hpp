@@ -15,6 +15,7 @@
 ///   void prefetch(Size i) const;         optional
 ///   static constexpr Kinds kKinds = ...; optional: on a device a team evaluates the candidates of several proposals
 ///                                        (group_evaluation.hpp)
+///   Size edge_slots() const;             optional: the number of slots that stand for edges which candidates make
 ///   int choices;                         optional: proposal i is choice i % choices; threads of a device that run
 ///                                        together get proposals of one choice
 /// All candidates bid; of each proposal the best one alone is stored: the tetrahedra of a proposal's candidates
@@ -24,7 +25,7 @@ namespace tetune {
 /// Where a batch of proposals puts its candidates and bids.
 template <Candidate C>
 struct Proposals {
-  Span<std::uint64_t> tet2bid;
+  Bids highest;
   Span<C> candidates;        ///< the best one of each proposal and part
   Span<std::uint64_t> bids;  ///< its bid; 0: none
   Size first = 0;            ///< the first proposal of the batch
@@ -34,7 +35,7 @@ struct Proposals {
   /// Adds a candidate of a positive gain. `id` breaks ties; it belongs to this proposal alone.
   TETUNE_HD void add(Size proposal, const C& candidate, double gain, std::uint32_t id, int part = 0) const {
     const std::uint64_t bid = make_bid(gain, id);
-    place_bid(candidate, bid, tet2bid);
+    place_bid(candidate, bid, highest);
     const Size i = entry(proposal, part);
     if (bid <= bids[i]) return;
     bids[i] = bid;

@@ -70,7 +70,7 @@ struct HoldsSoFar {
     const Size last = i - i % proposals.parts + proposals.parts;
     if (proposals.bids[i] == 0) return false;
     for (Size j = last - proposals.parts; j < last; ++j) {
-      if (proposals.bids[j] != 0 && !holds_all(proposals.candidates[j], proposals.bids[j], proposals.tet2bid))
+      if (proposals.bids[j] != 0 && !holds_all(proposals.candidates[j], proposals.bids[j], proposals.highest))
         return false;
     }
     return true;
@@ -174,11 +174,11 @@ struct SelectCandidate {
 template <class P>
 struct IsSelected {
   Span<const Record<P>> records;
-  Span<const std::uint64_t> tet2bid;
+  Bids highest;
   TETUNE_HD bool operator()(Size i) const { return holds(records[i]) && holds_twin(records[i]); }
 
  private:
-  TETUNE_HD bool holds(const Record<P>& r) const { return holds_all(r.patch, r.bid, tet2bid); }
+  TETUNE_HD bool holds(const Record<P>& r) const { return holds_all(r.patch, r.bid, highest); }
   TETUNE_HD bool holds_twin(const Record<P>& r) const { return r.twin < 0 || holds(records[r.twin]); }
 };
 
@@ -224,7 +224,7 @@ struct Batch {
   Batch(const Backend& backend, Size size)
       : candidates(backend, Generator::kParts * size), bids(backend, Generator::kParts * size) {}
   Proposals<C> proposals(FlipState<Backend>& state, Size first) {
-    return {state.tet2bid.span(), candidates.span(), bids.span(), first, Generator::kParts};
+    return {state.highest(), candidates.span(), bids.span(), first, Generator::kParts};
   }
 };
 
@@ -256,11 +256,11 @@ void fill_records(const Backend& backend, WorkMesh<Backend>& mesh, Size count, c
 
 /// Selects among the records of all batches.
 template <class Backend, class P>
-void select_records(const Backend& backend, const FlipState<Backend>& state, Selection<Backend, P>& s) {
+void select_records(const Backend& backend, FlipState<Backend>& state, Selection<Backend, P>& s) {
   s.selected.resize(backend, s.records.size());
   s.before.resize(backend, s.records.size());
   const auto selected =
-      backend.compact_and_sum(s.records.size(), IsSelected<P>{s.records.span(), state.tet2bid.span()},
+      backend.compact_and_sum(s.records.size(), IsSelected<P>{s.records.span(), state.highest()},
                               CountChanges<P>{s.records.span()}, ListSelected{s.selected.span(), s.before.span()});
   s.selected.resize(backend, selected.count);
   s.total = selected.sum;
@@ -301,7 +301,9 @@ auto select_candidates(const Backend& backend, WorkMesh<Backend>& mesh, Size cou
   using C = typename Generator::Candidate;
   Selection<Backend, typename C::Patch> s;
   if (count == 0) return s;
-  state.start_pass(backend, mesh);
+  Size edge_slots = 0;
+  if constexpr (requires { generator.edge_slots(); }) edge_slots = generator.edge_slots();
+  state.start_pass(backend, mesh, edge_slots);
   if constexpr (kIsOwnPatch<C>) {
     const bool is_one_batch = batch_size<Backend, Generator>(count, choices_apart<Backend>(generator)) == count;
     // There is a record per proposal then: no more memory than batches of all tetrahedra take.

@@ -33,6 +33,8 @@ struct BoundaryFlipProposals {
   Span<const double> energies;
   int max_ring;
 
+  /// Few enough edges per slot, as candidates make one edge or two.
+  Size edge_slots() const { return 4 * edges.size(); }
   TETUNE_HD Size operator()(Size i, const Proposals<FlipCandidate>& proposals) const {
     const BoundaryEdge& e = edges[i];
     Fans fans;
@@ -54,7 +56,10 @@ struct BoundaryFlipProposals {
     }
     if (before - after > kMinRelativeGain * before) {
       for (int k = 0; k < 2; ++k) {
-        if (fans.has(k)) proposals.add(i, fans.fan[k], before - after, static_cast<std::uint32_t>(corners[i]), k);
+        FlipCandidate& c = fans.fan[k];
+        if (!fans.has(k)) continue;
+        c.tets[c.old_count()] = slot_of_edge(c.ring[0], c.ring[c.ring_size - 1], proposals.highest.edges.size());
+        proposals.add(i, c, before - after, static_cast<std::uint32_t>(corners[i]), k);
       }
     }
     return 1;

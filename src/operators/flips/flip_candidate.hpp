@@ -51,7 +51,8 @@ struct FlipCandidate {
   Triangulation triangulation = {{{0, 1, 2}}};  ///< that of a ring of three, until another is found
   Index a, b;
   Index ring[kMaxRing];
-  /// Edge removal: m holds r_m and r_m+1; face removal: 2 s and 2 s + 1 are those on triangle s.
+  /// Edge removal: m holds r_m and r_m+1; face removal: 2 s and 2 s + 1 are those on triangle s. Then the slot that
+  /// stands for the new edge of the boundary.
   Index tets[2 * kMaxRemovedFaces];
   /// Of a patch: which face of its tetrahedron each boundary face is.
   std::uint32_t local_faces = 0;
@@ -75,6 +76,8 @@ struct FlipCandidate {
   TETUNE_HD int after(int m) const { return m + 1 < ring_size ? m + 1 : 0; }
 
   TETUNE_HD int old_count() const { return kind == FlipKind::face_removal ? 2 * triangles() : sides(); }
+  /// An edge that is made on the boundary has a slot that stands for it.
+  TETUNE_HD int edge_count() const { return kind == FlipKind::boundary_removal ? 1 : 0; }
   TETUNE_HD int new_count() const { return kind == FlipKind::face_removal ? ring_size : 2 * triangles(); }
   TETUNE_HD int vertex_count() const { return 2 + ring_size; }
   TETUNE_HD Index vertex(int i) const { return i == 0 ? a : i == 1 ? b : ring[i - 2]; }

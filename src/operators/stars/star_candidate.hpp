@@ -65,7 +65,7 @@ struct StarPatch {
   bool is_inserted, is_moved;
   NewVertexDof dof;
   SurfaceSimplex simplex;
-  int tet_count;
+  int tet_count, edges;
   int made = 0;
   int faces_count = 0;
   int base_edges_count = 0;
@@ -84,6 +84,7 @@ struct StarPatch {
   BaseEdge base_edges[2 * kMaxStarTriangles];
 
   TETUNE_HD int old_count() const { return tet_count; }
+  TETUNE_HD int edge_count() const { return edges; }
   TETUNE_HD int new_count() const { return made; }
   TETUNE_HD int face_count() const { return faces_count; }
   TETUNE_HD int new_surface_faces() const { return base_edges_count > 0 ? 1 : 0; }
@@ -189,10 +190,12 @@ struct StarCandidate {
   SurfaceSimplex simplex;
   ReplacedTriangles replaced;
   int tet_count;
-  Index tets[kMaxStarTets];
+  int edges = 0;                           ///< the number of edges of the surface that a contraction makes
+  Index tets[kMaxStarTets];                ///< then the slots that stand for these edges
   std::uint8_t outer_faces[kMaxStarTets];  ///< of each tetrahedron, as bits
 
   TETUNE_HD int old_count() const { return tet_count; }
+  TETUNE_HD int edge_count() const { return edges; }
   TETUNE_HD StarPatch expand(const MeshView& mesh) const {
     StarPatch p;
     p.apex_position = apex_position;
@@ -207,11 +210,12 @@ struct StarCandidate {
     p.dof.surface_point = dof.surface_point;
     p.simplex = simplex;
     p.tet_count = tet_count;
+    p.edges = edges;
     p.replaced.count = replaced.count;
     p.replaced.deviation = replaced.deviation;
     for (int i = 0; i < replaced.count; ++i) p.replaced.triangle[i] = replaced.triangle[i];
+    for (int i = 0; i < tet_count + edges; ++i) p.tets[i] = tets[i];
     for (int i = 0; i < tet_count; ++i) {
-      p.tets[i] = tets[i];
       const Tet tet = mesh.tet2vertex[tets[i]];
       for (int f = 0; f < 4; ++f) {
         if ((outer_faces[i] & 1 << f) != 0) p.add_face(tet, make_half_face(tets[i], f));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "energy/mesh_energy.hpp"
 #include "operators/stars/star_cavity.hpp"
 #include "operators/stars/surface_bend.hpp"
@@ -267,6 +269,11 @@ struct StarProposals : StarContext {
   Span<const MoveCosts> moves = {};  ///< of all tetrahedra; may be empty
 
   using Shared = StarMemory;
+
+  /// Few edges per slot, as a contraction makes about four and most proposals are none, but no more than tetrahedra.
+  Size edge_slots() const {
+    return surface.triangles.size() > 0 ? std::min(16 * tets.size(), mesh.tet2vertex.size()) : 0;
+  }
 
   TETUNE_HD Size operator()(Size id, const Proposals<StarCandidate>& proposals) const {
     StarMemory memory;

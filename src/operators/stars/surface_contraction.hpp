@@ -42,7 +42,7 @@ struct SurfaceContraction {
     if (!p.grow(star, apex, x) || !star.keeps_faces_of(apex)) return;
     StarCandidate c = star.candidate(apex, v, x);
     c.replaced = replaced;
-    p.add(star, c);
+    if (bid_on_edges(star, v, p.proposals.highest.edges.size(), c)) p.add(star, c);
   }
 
  private:
@@ -81,6 +81,23 @@ struct SurfaceContraction {
       if (find_triangle(p.surface.triangles, p.surface.vertex2corner, f.v) >= 0) return true;
     }
     return false;
+  }
+  /// Lists the slots that stand for the edges from the apex to the vertices around v: two contractions that make the
+  /// same edge or triangle have one of these in common. Returns false where there is no room for them.
+  TETUNE_HD static bool bid_on_edges(const StarCavity& star, Index v, Size slots, StarCandidate& c) {
+    Index around[kMaxStarTriangles];
+    for (int i = 0; i < star.base_count(); ++i) {
+      for (const Index w : star.base(i).v) {
+        if (w == v || w == c.apex) continue;
+        int k = 0;
+        while (k < c.edges && around[k] != w) ++k;
+        if (k < c.edges) continue;
+        if (k == kMaxStarTriangles || star.tet_count() + k == kMaxStarTets) return false;
+        around[k] = w;
+        c.tets[star.tet_count() + c.edges++] = slot_of_edge(c.apex, w, slots);
+      }
+    }
+    return true;
   }
   /// Whether a triangle at the removed vertex has both vertices.
   TETUNE_HD static bool is_beside_edge(const StarCavity& star, Index apex, Index w) {

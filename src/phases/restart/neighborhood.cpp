@@ -11,11 +11,6 @@
 namespace tetune {
 namespace {
 
-struct LowestVertex {
-  Span<const BoundaryTriangle> triangles;
-  Size operator()(Size i) const { return *std::min_element(triangles[i].v, triangles[i].v + 3); }
-};
-
 /// The number of items per triangle or vertex of the reference surface.
 Index items_of(SurfacePointKind kind) {
   return kind == SurfacePointKind::edge ? 3 : kind == SurfacePointKind::segment ? 2 : 1;
@@ -23,23 +18,24 @@ Index items_of(SurfacePointKind kind) {
 
 }  // namespace
 
-TrianglesByLowestVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole) {
-  TrianglesByLowestVertex triangles;
-  build_csr(backend, whole.vertices(), std::ssize(whole.triangles), LowestVertex{span_of(whole.triangles)}, triangles);
-  return triangles;
+CornersByVertex list_corners(const backend::Cpu& backend, const HostWork& whole) {
+  CornersByVertex corners;
+  build_csr(backend, whole.vertices(), 3 * std::ssize(whole.triangles),
+            VertexOfCorner<BoundaryTriangle>{span_of(whole.triangles)}, corners);
+  return corners;
 }
 
-Neighborhood::Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByLowestVertex& triangles)
+Neighborhood::Neighborhood(const HostWork& whole, FoundTets found, const CornersByVertex& corners)
     : slot2whole_(std::move(found.slots)) {
   std::sort(slot2whole_.begin(), slot2whole_.end());
   std::sort(found.vertices.begin(), found.vertices.end(),
             [](const FoundTets::Vertex& a, const FoundTets::Vertex& b) { return a.vertex < b.vertex; });
   for (const FoundTets::Vertex& v : found.vertices) vertex2whole_.push_back(v.vertex);
-  find_vertices(whole, triangles);
+  find_vertices(whole, corners);
   take_reference(whole);
   take_tets(whole);
   take_vertices(whole, found.vertices);
-  take_triangles(whole, triangles);
+  take_triangles(whole, corners);
   take_edges(whole);
 }
 
@@ -61,22 +57,22 @@ SurfacePoint Neighborhood::to_whole(const SurfacePoint& on) const {
   return {on.kind, each * item + on.item % each};
 }
 
-std::vector<Index> Neighborhood::triangles_inside(const HostWork& whole,
-                                                  const TrianglesByLowestVertex& triangles) const {
-  const CsrView by_vertex = triangles.view();
+std::vector<Index> Neighborhood::triangles_inside(const HostWork& whole, const CornersByVertex& corners) const {
+  const CsrView vertex2corner = corners.view();
   std::vector<Index> inside;
   for (const Index lowest : vertex2whole_) {
-    for (Size at = by_vertex.begin(lowest); at < by_vertex.end(lowest); ++at) {
-      const Index i = to_index(by_vertex.items[at]);
+    for (Size at = vertex2corner.begin(lowest); at < vertex2corner.end(lowest); ++at) {
+      const auto i = to_index(Size{vertex2corner.items[at] / 3});
       const BoundaryTriangle& t = span_of(whole.triangles)[i];
-      if (std::all_of(t.v, t.v + 3, [this](Index v) { return vertex_of(v) >= 0; })) inside.push_back(i);
+      const auto is_inside = [&](Index v) { return v >= lowest && vertex_of(v) >= 0; };
+      if (std::all_of(t.v, t.v + 3, is_inside)) inside.push_back(i);
     }
   }
   std::sort(inside.begin(), inside.end());
   return inside;
 }
 
-void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestVertex& triangles) {
+void Neighborhood::find_vertices(const HostWork& whole, const CornersByVertex& corners) {
   if (whole.surface_point.empty()) return;
 
   // A vertex moves by at most its displacement bound, which is below the length of an edge.
@@ -90,7 +86,7 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
     if (v < std::ssize(whole.reference.points)) near.add({SurfacePointKind::vertex, v});
   }
   if (whole.bends) {
-    for (const Index i : triangles_inside(whole, triangles)) near.add_triangle(span_of(whole.triangles)[i].reference);
+    for (const Index i : triangles_inside(whole, corners)) near.add_triangle(span_of(whole.triangles)[i].reference);
   }
   for (int ring = 0; ring < kReferenceRings; ++ring) near.add_ring();
   std::vector<Index> both;
@@ -101,8 +97,8 @@ void Neighborhood::find_vertices(const HostWork& whole, const TrianglesByLowestV
   for (const Index v : near.vertices) {
     for (const std::uint32_t corner : whole.reference.corners_at(v)) {
       const Index t = to_index(corner / 3);
-      const auto& corners = span_of(whole.reference.triangles)[t].v;
-      if (std::all_of(corners, corners + 3, [&](Index w) { return span_of(near.is_near)[w] != 0; })) {
+      const auto& ends = span_of(whole.reference.triangles)[t].v;
+      if (std::all_of(ends, ends + 3, [&](Index w) { return span_of(near.is_near)[w] != 0; })) {
         reference2whole_.push_back(t);
       }
     }
@@ -203,9 +199,9 @@ void Neighborhood::take_vertices(const HostWork& whole, const std::vector<FoundT
   backend_.fill(work.dofs.active.span(), std::uint8_t{0});
 }
 
-void Neighborhood::take_triangles(const HostWork& whole, const TrianglesByLowestVertex& triangles) {
+void Neighborhood::take_triangles(const HostWork& whole, const CornersByVertex& corners) {
   std::vector<BoundaryTriangle> taken;
-  for (const Index i : triangles_inside(whole, triangles)) {
+  for (const Index i : triangles_inside(whole, corners)) {
     BoundaryTriangle t = span_of(whole.triangles)[i];
     if (t.stays == kFlipsWithImage) continue;
     for (Index& v : t.v) v = vertex_of(v);
@@ -232,6 +228,34 @@ void Neighborhood::take_edges(const HostWork& whole) {
     }
   }
   work.flips.constrained_keys.upload(backend_, keys);
+}
+
+bool Neighborhood::doubles_surface(const HostWork& whole, const CornersByVertex& corners) const {
+  const Span<const BoundaryTriangle> triangles = span_of(whole.triangles);
+  std::vector<std::uint64_t> edges;
+  for (const Index i : triangle2whole_) {
+    const Index* const v = triangles[i].v;
+    for (int k = 0; k < 3; ++k) edges.push_back(ConstrainedEdges::edge_key(v[k], v[(k + 1) % 3]));
+  }
+  std::sort(edges.begin(), edges.end());
+  const auto was_edge = [&](Index p, Index q) {
+    return std::binary_search(edges.begin(), edges.end(), ConstrainedEdges::edge_key(p, q));
+  };
+  const Span<const BoundaryTriangle> now = work.boundary.triangles.span();
+  for (Size i = 0; i < now.size(); ++i) {
+    const BoundaryTriangle& t = now[i];
+    Index v[3];
+    for (int k = 0; k < 3; ++k) v[k] = t.v[k] < std::ssize(vertex2whole_) ? span_of(vertex2whole_)[t.v[k]] : -1;
+    for (int k = 0; k < 3; ++k) {
+      const Index p = v[k];
+      const Index q = v[(k + 1) % 3];
+      if (p >= 0 && q >= 0 && !was_edge(p, q) && have_edge(triangles, corners.view(), p, q)) return true;
+    }
+    if (*std::min_element(v, v + 3) < 0) continue;
+    const Index same = find_triangle(triangles, corners.view(), v);
+    if (same >= 0 && position_in(triangle2whole_, same) < 0) return true;
+  }
+  return false;
 }
 
 std::vector<std::uint8_t> Neighborhood::flags(int rings) const {

@@ -13,9 +13,9 @@
 
 namespace tetune {
 
-/// The boundary triangles of a mesh by their lowest vertex.
-using TrianglesByLowestVertex = Csr<backend::Cpu>;
-TrianglesByLowestVertex list_by_lowest_vertex(const backend::Cpu& backend, const HostWork& whole);
+/// The corners 3 * triangle + k of the boundary triangles at each vertex of a mesh.
+using CornersByVertex = Csr<backend::Cpu>;
+CornersByVertex list_corners(const backend::Cpu& backend, const HostWork& whole);
 
 /// Some tetrahedra of a mesh as a working set of their own, to be changed on the host. Vertices that other tetrahedra
 /// have as well are fixed, and the faces between these and the neighborhood are locked. Periodic vertices do not move.
@@ -27,7 +27,7 @@ class Neighborhood {
   backend::Cpu backend_{1};
 
  public:
-  Neighborhood(const HostWork& whole, FoundTets found, const TrianglesByLowestVertex& triangles);
+  Neighborhood(const HostWork& whole, FoundTets found, const CornersByVertex& corners);
 
   WorkingSet<backend::Cpu> work;
 
@@ -35,6 +35,9 @@ class Neighborhood {
   std::vector<std::uint8_t> flags(int rings) const;
   /// The slots that the tetrahedra have in the whole mesh.
   const std::vector<Index>& slots() const { return slot2whole_; }
+  /// Whether the surface has a new edge or triangle that the mesh has elsewhere, where operators do not find it.
+  /// Requires that put_back() was not called, and `corners` of the mesh as it was taken.
+  bool doubles_surface(const HostWork& whole, const CornersByVertex& corners) const;
   /// Writes tetrahedra, vertices and triangles back to the mesh that they were taken from. Requires that the
   /// tetrahedra around them have not changed. New tetrahedra are at the end of slots() afterwards, where -1 stands for
   /// a free slot. Triangles that no longer exist have kRemoved as first vertex.
@@ -46,12 +49,12 @@ class Neighborhood {
     HalfFace across;
   };
 
-  void find_vertices(const HostWork& whole, const TrianglesByLowestVertex& triangles);
+  void find_vertices(const HostWork& whole, const CornersByVertex& corners);
   /// The triangles of the boundary all of whose vertices are in the neighborhood, in increasing order.
-  std::vector<Index> triangles_inside(const HostWork& whole, const TrianglesByLowestVertex& triangles) const;
+  std::vector<Index> triangles_inside(const HostWork& whole, const CornersByVertex& corners) const;
   void take_tets(const HostWork& whole);
   void take_vertices(const HostWork& whole, const std::vector<FoundTets::Vertex>& found);
-  void take_triangles(const HostWork& whole, const TrianglesByLowestVertex& triangles);
+  void take_triangles(const HostWork& whole, const CornersByVertex& corners);
   void take_edges(const HostWork& whole);
   void take_reference(const HostWork& whole);
   void put_vertices(HostWork& whole);

@@ -237,8 +237,9 @@ std::vector<std::unique_ptr<RestartSearch::RestartSpot>> RestartSearch::choose()
   const auto is_tied_with_first = [&](Index t) { return is_tied(t, worst.front()); };
   if (std::count_if(worst.begin(), worst.end(), is_tied_with_first) > p_.max_worst) return spots;
   std::vector<std::uint8_t> is_taken(whole_.tet2vertex.size(), 0);
-  // With a bound on the deviation they have no vertex in common either: a test beside a common edge of the surface
-  // would read what the other neighborhood changes. Without one no vertex is flagged.
+  // Where the surface may change shape they have no vertex in common either: with a bound on the deviation a test
+  // beside a common edge of the surface would read what the other neighborhood changes, and two of them could make the
+  // same edge. Otherwise no vertex is flagged.
   std::vector<std::uint8_t> is_of_taken(whole_.points.size(), 0);
   int tried = 0;
   for (const Index slot : worst) {
@@ -253,7 +254,7 @@ std::vector<std::unique_ptr<RestartSearch::RestartSpot>> RestartSearch::choose()
     finder_.find(slot, rings_of(*widest));
     if (finder_.touches(is_taken) || finder_.has_vertex_of(is_of_taken)) continue;
     for (const Index t : finder_.tets()) span_of(is_taken)[t] = 1;
-    if (whole_.max_deviation > 0) finder_.flag_vertices(is_of_taken);
+    if (whole_.max_deviation > 0 || whole_.bends) finder_.flag_vertices(is_of_taken);
     auto spot = std::make_unique<RestartSpot>();
     int rings_found = rings_of(*widest);
     for (auto perturbation = first; perturbation != last; ++perturbation) {
@@ -269,9 +270,9 @@ std::vector<std::unique_ptr<RestartSearch::RestartSpot>> RestartSearch::choose()
   return spots;
 }
 
-void RestartSearch::run(Restart& restart, const TrianglesByLowestVertex& triangles, const Context& context) const {
+void RestartSearch::run(Restart& restart, const CornersByVertex& corners, const Context& context) const {
   const Cpu backend(1, context.stop);
-  Neighborhood& neighborhood = restart.neighborhood.emplace(whole_, restart.found, triangles);
+  Neighborhood& neighborhood = restart.neighborhood.emplace(whole_, restart.found, corners);
   neighborhood.work.is_neighborhood = true;
   neighborhood.work.outside = whole_.tets() - std::ssize(restart.found.slots);
   neighborhood.work.removable = removable();
@@ -297,7 +298,8 @@ void RestartSearch::run(Restart& restart, const TrianglesByLowestVertex& triangl
   const bool others_fall =
       sum_of_powers(restart.cots, weight_) < (1 - p_.min_fall_of_others) * sum_of_powers(before, weight_);
   restart.is_better = merge({0, 0}, restart.cots).max <= max_cot_ &&
-                      (cost_after < (1 - p_.min_fall) * cost_before || (cost_after <= cost_before && others_fall));
+                      (cost_after < (1 - p_.min_fall) * cost_before || (cost_after <= cost_before && others_fall)) &&
+                      !neighborhood.doubles_surface(whole_, corners);
 }
 
 void RestartSearch::keep(Restart& restart) {
@@ -329,7 +331,7 @@ bool RestartSearch::run_round(WorstReport& r) {
   const auto spots = choose();
   if (spots.empty()) return false;
   const LatchedHooks hooks(input_.context);
-  const TrianglesByLowestVertex triangles = list_by_lowest_vertex(*host_, whole_);
+  const CornersByVertex corners = list_corners(*host_, whole_);
   // First tries come first: a later one runs only if an earlier one has not succeeded yet.
   const Size count = std::ssize(spots);
   host_->for_parts(p_.tries * count, [&](Size i) {
@@ -339,7 +341,7 @@ bool RestartSearch::run_round(WorstReport& r) {
     if (!is_needed()) return;
     Restart& restart = *span_of(spot.tries)[number];
     const auto stop = [&] { return !is_needed() || hooks.context().stop(); };
-    run(restart, triangles, {{}, stop});
+    run(restart, corners, {{}, stop});
     if (!restart.is_better) return;
     Size first = spot.first_success.load();
     while (number < first && !spot.first_success.compare_exchange_weak(first, number)) continue;
