@@ -249,10 +249,11 @@ std::vector<std::string> constraint_notes(const Report& r) {
                     r.line_ends_not_held));
   }
   if (r.thin_vertices > 0) {
-    texts.push_back(fmt::format(
-        "{} vertices of thin curved sheets do not slide, as the sheets could become several times as thick: "
-        "--max-deviation lets them slide within a bound",
-        r.thin_vertices));
+    texts.push_back(
+        fmt::format("{} vertices of thin curved sheets and their rims do not slide, as the sheets could become several "
+                    "times as thick: "
+                    "--max-deviation lets them slide within a bound",
+                    r.thin_vertices));
   }
   if (r.triangles_dropped > 0) {
     texts.push_back(fmt::format(

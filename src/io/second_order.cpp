@@ -150,7 +150,8 @@ std::string lost_values(const std::vector<Middle>& middles, const TetMesh& mesh)
   if (std::any_of(middles.begin(), middles.end(), has_tag)) names.emplace_back("tags");
   if (names.empty()) return {};
   return "values at mid-side nodes are not kept: " + listed_texts(names) +
-         "; writers give these nodes the means of both ends, the integers of one end, the sets of both, and no tag";
+         "; writers give these nodes the means of both ends, the integers of one end, the sets of their edge, and no "
+         "tag";
 }
 
 /// The warning of erase_middles() on elements that lack nodes; empty where all have them.

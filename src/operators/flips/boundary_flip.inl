@@ -32,9 +32,10 @@ struct BoundaryFlipProposals {
   Span<const Index> triangle2face;
   Span<const double> energies;
   int max_ring;
+  bool bend;  ///< flips may bend the surface: within its planes, where cavities do not overlap no edge is made twice
 
-  /// Few enough edges per slot, as candidates make one edge or two.
-  Size edge_slots() const { return 4 * edges.size(); }
+  /// Few edges per slot, as a candidate makes one or two.
+  Size edge_slots() const { return bend ? 4 * edges.size() : 0; }
   TETUNE_HD Size operator()(Size i, const Proposals<FlipCandidate>& proposals) const {
     const BoundaryEdge& e = edges[i];
     Fans fans;
@@ -58,7 +59,7 @@ struct BoundaryFlipProposals {
       for (int k = 0; k < 2; ++k) {
         FlipCandidate& c = fans.fan[k];
         if (!fans.has(k)) continue;
-        c.tets[c.old_count()] = slot_of_edge(c.ring[0], c.ring[c.ring_size - 1], proposals.highest.edges.size());
+        if (bend) c.bid_on_edge(proposals.highest.edges.size());
         proposals.add(i, c, before - after, static_cast<std::uint32_t>(corners[i]), k);
       }
     }
@@ -212,8 +213,8 @@ PassResult boundary_flip_pass(const Backend& backend, WorkMesh<Backend>& mesh, c
   auto triangle2face = find_faces(backend, mesh, boundary, changed);
 
   const BoundaryFlipProposals<typename Backend::Pack> proposals{
-      rated(mesh, criterion), edges.span(),          images.span(), corners.span(),
-      triangle2face.span(),   state.energies.span(), state.max_ring};
+      rated(mesh, criterion), edges.span(),          images.span(),  corners.span(),
+      triangle2face.span(),   state.energies.span(), state.max_ring, boundary.flips_bend};
   auto selection = select_candidates(backend, mesh, count, proposals, state);
   result.evaluated = selection.evaluated;
   if (selection.size() == 0 || backend.stop_requested()) return result;

@@ -3,6 +3,7 @@
 
 #include "mesh/constrained_edges.hpp"
 #include "mesh/edge_star.hpp"
+#include "operators/engine/bid.hpp"
 #include "operators/engine/candidate.hpp"
 
 /// The candidate of all flips (Fig. 1 and beyond): an edge (a, b) and the vertices r_0, r_1, ... around it, with
@@ -48,11 +49,12 @@ struct FlipCandidate {
 
   FlipKind kind = FlipKind::none;
   std::uint8_t ring_size = 3;
+  std::uint8_t edges = 0;                       ///< the number of edges that it bids on
   Triangulation triangulation = {{{0, 1, 2}}};  ///< that of a ring of three, until another is found
   Index a, b;
   Index ring[kMaxRing];
   /// Edge removal: m holds r_m and r_m+1; face removal: 2 s and 2 s + 1 are those on triangle s. Then the slot that
-  /// stands for the new edge of the boundary.
+  /// stands for an edge.
   Index tets[2 * kMaxRemovedFaces];
   /// Of a patch: which face of its tetrahedron each boundary face is.
   std::uint32_t local_faces = 0;
@@ -76,8 +78,12 @@ struct FlipCandidate {
   TETUNE_HD int after(int m) const { return m + 1 < ring_size ? m + 1 : 0; }
 
   TETUNE_HD int old_count() const { return kind == FlipKind::face_removal ? 2 * triangles() : sides(); }
-  /// An edge that is made on the boundary has a slot that stands for it.
-  TETUNE_HD int edge_count() const { return kind == FlipKind::boundary_removal ? 1 : 0; }
+  TETUNE_HD int edge_count() const { return edges; }
+  /// Makes an edge removal in the boundary bid on the edge that it makes.
+  TETUNE_HD void bid_on_edge(Size edge_slots) {
+    tets[old_count()] = slot_of_edge(ring[0], ring[ring_size - 1], edge_slots);
+    edges = 1;
+  }
   TETUNE_HD int new_count() const { return kind == FlipKind::face_removal ? ring_size : 2 * triangles(); }
   TETUNE_HD int vertex_count() const { return 2 + ring_size; }
   TETUNE_HD Index vertex(int i) const { return i == 0 ? a : i == 1 ? b : ring[i - 2]; }
