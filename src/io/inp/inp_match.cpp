@@ -106,33 +106,45 @@ class InpMatcher {
     span_of(match_.tet_labels)[t] = span_of(model_.element_labels)[span_of(model_.tet2element)[old]];
   }
 
-  void number_changed() {
-    std::vector<std::vector<Index>> missing(model_.regions.size());
-    std::vector<Index> last_card(model_.regions.size(), -1);
-    for (Index old = 0; old < std::ssize(model_.tets); ++old) {
-      const Index region = find_inp_tag(model_.regions, span_of(model_.tet_tags)[old]);
-      span_of(last_card)[region] = span_of(model_.tet2card)[old];
-      if (span_of(match_.old2tet)[old] < 0) span_of(missing)[region].push_back(old);
-    }
-    for (std::vector<Index>& list : missing) std::reverse(list.begin(), list.end());
-    match_.added.resize(model_.tet_cards.size());
-    for (Index t = 0; t < std::ssize(mesh_.tets); ++t) {
-      if (span_of(match_.tet_labels)[t] != 0) continue;
-      const int tag = span_of(mesh_.tet_tags)[t];
-      const Index region = find_inp_tag(model_.regions, tag);
-      if (region < 0 || span_of(last_card)[region] < 0) {
-        throw FileError("a tetrahedron has the tag " + std::to_string(tag) + ", which none of the deck has" +
-                        kNotOfDeck);
-      }
-      std::vector<Index>& free = span_of(missing)[region];
+  /// Numbers the entities without a number: those of a group, a region or patch, get the numbers that it has lost, in
+  /// the order of the deck, then new ones on the card of the group. `missing`: the last one first. `group_of(i)`: -1
+  /// where entity i gets none.
+  template <class GroupOf, class Take>
+  void number_rest(std::vector<std::vector<Index>>& missing, const std::vector<Index>& group2card,
+                   std::vector<std::int64_t>& labels, std::vector<std::vector<Index>>& added, const GroupOf& group_of,
+                   const Take& take) {
+    for (Index i = 0; i < std::ssize(labels); ++i) {
+      const Index group = span_of(labels)[i] != 0 ? -1 : group_of(i);
+      if (group < 0) continue;
+      std::vector<Index>& free = span_of(missing)[group];
       if (free.empty()) {
-        span_of(match_.tet_labels)[t] = ++last_label_;
-        span_of(match_.added)[span_of(last_card)[region]].push_back(t);
+        span_of(labels)[i] = ++last_label_;
+        span_of(added)[span_of(group2card)[group]].push_back(i);
       } else {
-        take(free.back(), t);
+        take(free.back(), i);
         free.pop_back();
       }
     }
+  }
+
+  void number_changed() {
+    std::vector<std::vector<Index>> missing(model_.regions.size());
+    std::vector<Index> last_card(model_.regions.size(), -1);
+    for (Index old = to_index(model_.tets.size()) - 1; old >= 0; --old) {
+      const Index region = find_inp_tag(model_.regions, span_of(model_.tet_tags)[old]);
+      Index& card = span_of(last_card)[region];
+      if (card < 0) card = span_of(model_.tet2card)[old];
+      if (span_of(match_.old2tet)[old] < 0) span_of(missing)[region].push_back(old);
+    }
+    match_.added.resize(model_.tet_cards.size());
+    const auto region_of = [&](Index t) {
+      const int tag = span_of(mesh_.tet_tags)[t];
+      const Index region = find_inp_tag(model_.regions, tag);
+      if (region >= 0 && span_of(last_card)[region] >= 0) return region;
+      throw FileError("a tetrahedron has the tag " + std::to_string(tag) + ", which none of the deck has" + kNotOfDeck);
+    };
+    number_rest(missing, last_card, match_.tet_labels, match_.added, region_of,
+                [this](Index old, Index t) { take(old, t); });
   }
 
   void match_triangles() {
@@ -173,20 +185,15 @@ class InpMatcher {
       if (!t.is_face || span_of(match_.old2triangle)[old] >= 0) continue;
       span_of(missing)[find_inp_tag(model_.patches, t.tag)].push_back(old);
     }
+    std::vector<Index> cards;
+    for (const InpPatch& patch : model_.patches) cards.push_back(patch.card);
     match_.added_triangles.resize(model_.triangle_cards.size());
-    for (Index i = 0; i < std::ssize(mesh_.triangles); ++i) {
+    const auto patch_of = [&](Index i) {
       const Index patch = find_inp_tag(model_.patches, span_of(mesh_.triangle_tags)[i]);
-      const Index card = patch < 0 ? -1 : span_of(model_.patches)[patch].card;
-      if (card < 0 || span_of(match_.triangle_labels)[i] != 0) continue;
-      std::vector<Index>& free = span_of(missing)[patch];
-      if (free.empty()) {
-        span_of(match_.triangle_labels)[i] = ++last_label_;
-        span_of(match_.added_triangles)[card].push_back(i);
-      } else {
-        take_triangle(free.back(), i);
-        free.pop_back();
-      }
-    }
+      return patch >= 0 && span_of(cards)[patch] >= 0 ? patch : -1;
+    };
+    number_rest(missing, cards, match_.triangle_labels, match_.added_triangles, patch_of,
+                [this](Index old, Index i) { take_triangle(old, i); });
   }
 
   const InpModel& model_;
