@@ -144,6 +144,39 @@ TEST_F(Inp, AnAuxiliarySetMayHaveTwoCards) {
   EXPECT_EQ(get("b.inp"), get("a.inp"));
 }
 
+/// After a 2-3 flip all faces of the surface are the first ones of their elements.
+TEST_F(Inp, AnAuxiliarySetWithoutElementsIsNotNamed) {
+  const std::string cards =
+      "*ELSET, ELSET=F1\n7\n*ELSET, ELSET=F2\n7\n*ELSET, ELSET=F4\n7\n*SURFACE, NAME=S\nF1, S1\nF2, S2\nF4, S4\n";
+  for (const bool of_load : {false, true}) {
+    std::string text = kTwoTets + cards;
+    if (of_load) text.replace(text.find("*SURFACE"), text.npos, "*DLOAD\nF1, P1, 2.\nF2, P2, 2.\nF4, P4, 2.\n");
+    TetMesh m = read_mesh(put("a.inp", text), nullptr, 1);
+    ASSERT_EQ(m.triangles.size(), 3U);
+    m.tets = {{0, 1, 2, 4}, {0, 2, 3, 4}, {0, 3, 1, 4}};
+    m.tet_tags = std::vector<int>(3, m.tet_tags[0]);
+    write_mesh(path("b.inp"), m, 1);
+    EXPECT_TRUE(contains(get("b.inp"), of_load ? "F1, P1, 2.\n" : "F1, S1\n"));
+    EXPECT_FALSE(contains(get("b.inp"), "F2"));
+    EXPECT_FALSE(contains(get("b.inp"), "F4"));
+    EXPECT_EQ(read_mesh(path("b.inp"), nullptr, 1).triangles.size(), 3U);
+  }
+}
+
+/// A set with such a name is held where a load acts on each of its nodes, and a region where a section names it.
+TEST_F(Inp, NamesOfSetsStartWithAnyCharacter) {
+  for (const std::string name : {"TOP", "1TOP", "+TOP", "2E5",
+                                 "\xC3\x96"
+                                 "BEN"}) {
+    const std::string set = "*NSET, NSET=" + name + "\n10, 20\n*STEP\n*CLOAD\n" + name + ", 3, 1.\n*END STEP\n";
+    EXPECT_EQ(read_mesh(put("a.inp", kTwoTets + set), nullptr, 1).required_vertices.size(), 2U) << name;
+    const std::string section =
+        "*ELSET, ELSET=" + name + "\n7\n*SOLID SECTION, ELSET=" + name + ", MATERIAL=M\n*DLOAD\n" + name + ", P1, 2.\n";
+    const TetMesh m = read_mesh(put("b.inp", kTwoTets + section), nullptr, 1);
+    EXPECT_NE(m.tet_tags[0], m.tet_tags[1]) << name;
+  }
+}
+
 TEST_F(Inp, ARegionOfHexahedraAloneHasNoSetsOfNodes) {
   const std::string cards =
       "*NODE\n1, 0., 0., 0.\n2, -1., 0., 0.\n3, -1., -1., 0.\n4, 0., -1., 0.\n5, 0., 0., -1.\n6, -1., 0., -1.\n"

@@ -7,14 +7,20 @@
 namespace tetune {
 namespace {
 
-bool starts_name(std::string_view field) {
-  if (field.empty()) return false;
-  const char c = field[0];
-  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '"';
+/// Whether a field is an integer, or a real number with a point. Names of sets may start with any character, and one
+/// such as 2E5 is more likely a name than a number without a point.
+bool is_number(std::string_view field) {
+  if (field.front() == '+' || field.front() == '-') field.remove_prefix(1);
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (std::all_of(field.begin(), field.end(), is_digit)) return true;
+  const auto is_of_real = [&](char c) {
+    return is_digit(c) || std::string_view(".+-eEdD").find(c) != std::string_view::npos;
+  };
+  return field.find('.') != std::string_view::npos && std::all_of(field.begin(), field.end(), is_of_real);
 }
 
 void note_name(std::string_view field, const InpCardKind& kind, InpScan& scan) {
-  if (!starts_name(field)) return;
+  if (field.empty() || is_number(field)) return;
   std::string name = scan.key(field);
   if (kind.pairs) scan.paired.insert(name);
   if (kind.is_per_node) scan.loaded.insert(name);

@@ -64,10 +64,13 @@ class InpFollower {
         const std::vector<InpLabeledFace> before = labeled(group.direct);
         const std::vector<InpLabeledFace> after = direct_faces(group, before, span_of(faces_)[g]);
         is_same = is_same && before == after;
-        for (const InpFaceSet& use : group.sets) {
-          text += use.line;
-        }
         collect_members(group, after, span_of(faces_)[g]);
+        for (const InpFaceSet& use : group.sets) {
+          // Without elements the cards of the set are left out.
+          const bool has_members = auxiliary_members_.count(use.set) != 0;
+          if (has_members) text += use.line;
+          is_same = is_same && has_members;
+        }
         for (const InpLabeledFace& f : after) {
           text += model_.reference(f.element, card.in_assembly) + group.before + std::to_string(f.face) + group.after +
                   model_.newline;

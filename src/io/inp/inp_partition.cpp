@@ -236,10 +236,19 @@ void hold_sets(const InpScan& scan, InpModel& model) {
   }
 }
 
-/// Holds the nodes and elements that other cards name by number.
-void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh) {
+/// Holds the nodes and elements that other cards name by number; warns where these are more than a quarter
+/// of all nodes, as little of the mesh may change then.
+void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh, const IoContext& context) {
+  std::vector<Index> nodes;
   for (const std::int64_t label : scan.held_nodes) {
-    if (const Index node = model.node(label); node >= 0) mesh.required_vertices.push_back(node);
+    if (const Index node = model.node(label); node >= 0) nodes.push_back(node);
+  }
+  sort_unique(nodes);
+  mesh.required_vertices.insert(mesh.required_vertices.end(), nodes.begin(), nodes.end());
+  if (nodes.size() > mesh.points.size() / 4) {
+    context.warn(std::to_string(nodes.size()) + " of " + std::to_string(mesh.points.size()) +
+                 " nodes keep their place, as cards name them by number" +
+                 (model.is_second_order ? "; the edges of mid-side nodes stay" : ""));
   }
   for (const Index element : scan.find_held_elements()) {
     const Index tet = span_of(model.element2tet)[element];
@@ -259,7 +268,7 @@ void partition_inp(const InpScan& scan, InpModel& model, TetMesh& mesh, const Io
   hold_sets(scan, model);
   find_inp_patches(scan, model, mesh, context);
   add_groups(model, mesh);
-  hold_labels(scan, model, mesh);
+  hold_labels(scan, model, mesh, context);
 }
 
 }  // namespace tetune
