@@ -33,6 +33,29 @@ TEST_F(InpMiddles, AMiddleThatACardNamesHoldsItsEdge) {
       contains(write_error(path("b.inp"), m), "the edge of the mid-side node 13, which the deck names, is gone"));
 }
 
+/// As after a computation of temperatures, whose results are by number.
+TEST_F(InpMiddles, ValuesOfAFieldHoldNoEdge) {
+  const std::string of_vertices = "*TEMPERATURE\n1, 0.\n2, 10.\n3, 20.\n4, 30.\n5, 40.\n";
+  const std::string cards = of_vertices + "** of middles\n12, 15.\n13, 25.\n14, 20.\n";
+  TetMesh m = read_mesh(put("a.inp", kTwoQuadratic + cards), nullptr, 1);
+  EXPECT_TRUE(m.edges.empty());
+  EXPECT_EQ(m.required_vertices.size(), 5U);
+  write_mesh(path("b.inp"), m, 1);
+  EXPECT_EQ(get("b.inp"), get("a.inp"));
+  m.tets = {{0, 1, 2, 4}, {0, 3, 1, 4}};
+  write_mesh(path("b.inp"), m, 1);
+  EXPECT_TRUE(get("b.inp").ends_with(of_vertices + "** of middles\n12, 15.\n14, 20.\n34, 20\n")) << get("b.inp");
+
+  // Where an end has none, a new middle could have none; and other cards hold nodes as before.
+  const TetMesh partly = read_mesh(put("c.inp", kTwoQuadratic + "*TEMPERATURE\n3, 20.\n13, 25.\n"), nullptr, 1);
+  EXPECT_EQ(partly.required_edges.size(), 1U);
+  const TetMesh loaded = read_mesh(put("d.inp", kTwoQuadratic + cards + "*CLOAD\n12, 1, 5.\n"), nullptr, 1);
+  EXPECT_EQ(loaded.required_edges.size(), 1U);
+  const TetMesh continued =
+      read_mesh(put("e.inp", kTwoQuadratic + cards + "1, 0., 1., 2., 3., 4., 5., 6.\n"), nullptr, 1);
+  EXPECT_EQ(continued.required_edges.size(), 3U);
+}
+
 TEST_F(InpMiddles, NewOnesJoinTheSetsThatHaveAllOfThem) {
   const std::string cards =
       "*NSET, NSET=VERTICES, GENERATE\n1, 5, 1\n*NSET, NSET=EACH, GENERATE\n1, 33, 1\n"

@@ -21,6 +21,8 @@ struct InpCardKind {
   /// range: the first and last degree of freedom, and a value; members: nothing.
   enum class Condition { none, field, components, range, members };
   Condition condition = Condition::none;
+  static bool is_field(Condition c) { return c == Condition::field || c == Condition::components; }
+  bool is_of_fields() const { return is_field(condition); }
   /// The reason why decks with such a card are refused, or nullptr.
   const char* refusal = nullptr;
 };

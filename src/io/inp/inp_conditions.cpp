@@ -204,9 +204,7 @@ class InpExtension {
   std::size_t between_sets() const { return between_sets_; }
 
  private:
-  bool is_field() const {
-    return condition_.kind == ConditionKind::field || condition_.kind == ConditionKind::components;
-  }
+  bool is_field() const { return InpCardKind::is_field(condition_.kind); }
   bool has_own_line(const NodeValue& value) const {
     return value.line < 0 || span_of(condition_.lines)[value.line].node >= 0;
   }

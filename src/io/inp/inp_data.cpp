@@ -216,7 +216,7 @@ void note_inp_data(const std::vector<std::string_view>& fields, const InpCardKin
     std::int64_t label = 0;
     if (!is_named(kind.nodes) && !is_named(kind.elements)) continue;
     if (!scan.parse_label(fields[k], label)) continue;
-    if (is_named(kind.nodes)) scan.held_nodes.push_back(label);
+    if (is_named(kind.nodes)) (kind.is_of_fields() ? scan.nodes_with_fields : scan.held_nodes).push_back(label);
     if (is_named(kind.elements)) scan.held_elements.push_back(label);
   }
 }

@@ -10,8 +10,8 @@
 namespace tetune {
 namespace {
 
-/// The nodes by which inserted nodes join sets and get values by number: they keep their place, unless the mesh is in
-/// motion.
+/// The vertices by which inserted nodes join sets and get values by number: they keep their place, unless the mesh is
+/// in motion.
 std::vector<Index> fixed_nodes(const InpModel& model) {
   std::vector<Index> nodes;
   for (const InpSet& set : model.sets) nodes.insert(nodes.end(), set.rest.begin(), set.rest.end());
@@ -21,6 +21,10 @@ std::vector<Index> fixed_nodes(const InpModel& model) {
     }
   }
   sort_unique(nodes);
+  std::vector<Index> middles;
+  for (const auto& [ends, node] : model.middles) middles.push_back(node);
+  sort_unique(middles);
+  erase_listed(nodes, middles);
   return nodes;
 }
 

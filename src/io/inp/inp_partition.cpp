@@ -236,19 +236,43 @@ void hold_sets(const InpScan& scan, InpModel& model) {
   }
 }
 
-/// Holds the nodes and elements that other cards name by number; warns where these are more than a quarter
-/// of all nodes, as little of the mesh may change then.
-void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh, const IoContext& context) {
+std::vector<Index> nodes_of(const std::vector<std::int64_t>& labels, const InpModel& model) {
   std::vector<Index> nodes;
-  for (const std::int64_t label : scan.held_nodes) {
+  for (const std::int64_t label : labels) {
     if (const Index node = model.node(label); node >= 0) nodes.push_back(node);
   }
   sort_unique(nodes);
+  return nodes;
+}
+
+/// The nodes that other cards name by number. Not those mid-side nodes that have values of fields alone, as both ends
+/// of their edge have: those of new edges get the mean of their ends, and the lines of those that are gone are left
+/// out.
+std::vector<Index> find_held_nodes(const InpScan& scan, const InpModel& model) {
+  const std::vector<Index> by_others = nodes_of(scan.held_nodes, model);
+  const std::vector<Index> with_fields = nodes_of(scan.nodes_with_fields, model);
+  std::vector<Index> all;
+  std::set_union(by_others.begin(), by_others.end(), with_fields.begin(), with_fields.end(), std::back_inserter(all));
+  // Lines that may be continued are not interpreted.
+  if (std::ranges::any_of(model.conditions, &InpCondition::may_continue)) return all;
+  std::vector<Index> free;
+  for (const auto& [ends, node] : model.middles) {
+    const bool have_ends = is_listed(with_fields, ends[0]) && is_listed(with_fields, ends[1]);
+    if (have_ends && !is_listed(by_others, node)) free.push_back(node);
+  }
+  sort_unique(free);
+  erase_listed(all, free);
+  return all;
+}
+
+/// Holds the nodes and elements that other cards name by number; warns where these are more than a quarter of all
+/// nodes, as little of the mesh may change then.
+void hold_labels(const InpScan& scan, const InpModel& model, TetMesh& mesh, const IoContext& context) {
+  const std::vector<Index> nodes = find_held_nodes(scan, model);
   mesh.required_vertices.insert(mesh.required_vertices.end(), nodes.begin(), nodes.end());
   if (nodes.size() > mesh.points.size() / 4) {
     context.warn(std::to_string(nodes.size()) + " of " + std::to_string(mesh.points.size()) +
-                 " nodes keep their place, as cards name them by number" +
-                 (model.is_second_order ? "; the edges of mid-side nodes stay" : ""));
+                 " nodes keep their place, as cards name them by number");
   }
   for (const Index element : scan.find_held_elements()) {
     const Index tet = span_of(model.element2tet)[element];

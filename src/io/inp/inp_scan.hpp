@@ -59,6 +59,8 @@ struct InpScan {
   std::set<std::string> mentioned, paired, loaded;
   /// Numbers in other cards.
   std::vector<std::int64_t> held_nodes, held_elements;
+  /// The nodes to which lines of fields give values by number: those of new edges get such lines too.
+  std::vector<std::int64_t> nodes_with_fields;
 
   /// Whether the present line is in the assembly or a step of a deck of parts (InpReferences).
   bool in_assembly = false;

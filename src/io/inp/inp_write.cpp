@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Abaqus's and CalculiX's decks (.inp).
+#include <algorithm>
 #include <cstring>
+#include <functional>
 
 #include "io/inp/inp_follow.hpp"
 #include "io/inp/inp_format.hpp"
@@ -20,7 +22,8 @@ class InpDeckWriter {
         mesh_(mesh),
         middles_(middles),
         match_(match_inp(model, mesh)),
-        changes_(follow_inp(model, mesh, match_, middles, context)) {}
+        changes_(follow_inp(model, mesh, match_, middles, context)),
+        next_line_(model.conditions.size(), 0) {}
 
   void write() {
     for (const InpPiece& piece : model_.pieces) {
@@ -62,8 +65,21 @@ class InpDeckWriter {
     }
   }
 
+  /// Leaves out the lines of mid-side nodes whose edge is gone.
   void write_condition(const InpPiece& piece) {
-    out_ += piece.text;
+    const std::vector<InpConditionLine>& lines = span_of(model_.conditions)[piece.card].lines;
+    const char* from = piece.text.data();
+    const char* const end = from + piece.text.size();
+    // The pieces of a condition are written in the order of its lines.
+    std::size_t& next = span_of(next_line_)[piece.card];
+    for (; next < lines.size() && is_between(lines[next].text.data(), piece.text.data(), end); ++next) {
+      const InpConditionLine& line = lines[next];
+      if (line.node < 0 || span_of(match_.node2vertex)[line.node] >= 0) continue;
+      out_ += text_of(from, line.text.data());
+      from = std::find(line.text.data(), end, '\n');
+      if (from != end) ++from;
+    }
+    out_ += text_of(from, end);
     const std::string& more = span_of(changes_.conditions)[piece.card];
     if (more.empty() || &piece != &span_of(model_.pieces)[span_of(model_.conditions)[piece.card].last_piece]) return;
     end_line();
@@ -102,6 +118,9 @@ class InpDeckWriter {
   void put_middle(const std::array<Index, N>& element, int a, int b) {
     const Index v = middles_->of(element[to_size_t(a)], element[to_size_t(b)]);
     out_ += ", " + std::to_string(span_of(match_.vertex_labels)[v]);
+  }
+  static bool is_between(const char* at, const char* first, const char* last) {
+    return !std::less<>()(at, first) && std::less<>()(at, last);
   }
   /// The text of an entry of a piece, of which the next one starts at `next`.
   static std::string_view text_of(const char* line, const char* next) { return {line, to_size_t(next - line)}; }
@@ -174,6 +193,7 @@ class InpDeckWriter {
   const Middles* middles_;
   InpMatch match_;
   InpChanges changes_;
+  std::vector<std::size_t> next_line_;  ///< per condition, the first of its lines that is not written yet
   std::string out_;
   char last_written_ = '\n';  ///< for end_line(), after flush()
 };
